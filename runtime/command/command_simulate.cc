@@ -264,7 +264,7 @@ void add_wander_options(Command command, SimulateFlags& flags) {
       .in_range(0.0, 1000.0);
   command.add_option("--quality-csv", flags.quality_csv,
                      "Of a scene: shares of the ticks in the body without an answer, "
-                     "with a cheap and with a good one, by second");
+                     "with a preliminary and with a final one, by second");
   add_scene_options(command, flags.scene);
 }
 

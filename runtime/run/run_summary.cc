@@ -172,16 +172,17 @@ std::string served_lines(const ServedReport& s) {
   };
   const ServiceStatus& status = s.status;
   std::string text =
-      line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} good",
+      line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} final",
                                   name(status.state), status.detail.empty() ? "" : ": ",
                                   status.detail, status.progress.cheap,
                                   status.progress.nodes, status.progress.good)) +
-      line(
-          "in the body",
-          fmt::format("{:.3g} % of ticks without an answer, {:.3g} % with a cheap one, "
-                      "{:.3g} % with a good one",
-                      share(GrownQuality::kNone), share(GrownQuality::kCheap),
-                      share(GrownQuality::kGood)));
+      line("in the body",
+           fmt::format(
+               "{:.3g} % of ticks without an answer, {:.3g} % with a preliminary "
+               "one, "
+               "{:.3g} % with a final one",
+               share(GrownQuality::kNone), share(GrownQuality::kCheap),
+               share(GrownQuality::kGood)));
   if (share(GrownQuality::kEstimated) > 0.0) {
     text += line("", fmt::format("{:.3g} % estimated from the material alone",
                                  share(GrownQuality::kEstimated)));

@@ -36,7 +36,7 @@ export class Served {
     const trouble = kTroubles.includes(service.state);
     const whole = service.state === "done";
     const counts = service.nodes > 0
-      ? `${service.cheap} of ${service.nodes} places answer, ${service.good} of them for good`
+      ? `${service.cheap} of ${service.nodes} places answer, ${service.good} of them finally`
       : "no place answers yet";
     const stage = service.state === "serving" ? service.stage || "begins" : service.state;
     const why = service.detail ? ` (${service.detail})` : "";
@@ -46,7 +46,7 @@ export class Served {
     put("service_shares", ticks > 0
       ? `pressed so far: ${(100 * service.ticks[0] / ticks).toFixed(1)} % without an answer, ` +
         (service.ticks[1] > 0 ? `${(100 * service.ticks[1] / ticks).toFixed(1)} % estimated from the material, ` : "") +
-        `${(100 * service.ticks[2] / ticks).toFixed(1)} % with a cheap one`
+        `${(100 * service.ticks[2] / ticks).toFixed(1)} % with a preliminary one`
       : "");
     const pressed = state.holding && state.penetration_m > 0;
     put("service_here", pressed && service.here === "none" ? "no answer here yet: no force"
