@@ -78,7 +78,7 @@ class Service {
 
   // @throws what a worker threw, Interrupted.
   void run(int workers, Progress& progress) {
-    say("cheap answers");
+    say("preliminary answers");
     take_what_others_solved();
     std::vector<std::thread> threads;
     for (int i = 0; i < workers; ++i) {
@@ -160,7 +160,7 @@ class Service {
   void say_cheap(std::size_t group) {
     publish({.quality = AnswerQuality::kCheap,
              .node = cheap_answers(scene_, job_, board_.group(group))},
-            "cheap answers");
+            "preliminary answers");
     board_.finish_group(group);
   }
 
