@@ -189,7 +189,7 @@ void run_curve(CurveOptions& options) {
     throw InputError(fmt::format(
         "-o needs the tool that pressed as the runtime renders it, and {}: --tool "
         "sphere, flat-punch or cone",
-        indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
+        indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is given"));
   }
   compute_curve(options, indenter, result);
   if (!options.output.empty()) {

@@ -49,7 +49,7 @@ inline constexpr std::array kVerbs = {
     Verb{"device", "palpate-run", "device", "Rendering", "render on a haptic device"},
     Verb{"devices", "palpate-run", "devices", "Rendering", "devices that are attached"},
     Verb{"calibrate", "palpate-run", "calibrate", "Rendering",
-         "a device's force by a hung mass"},
+         "a device's force by a suspended mass"},
     Verb{"probe", "palpate-run", "probe", "Rendering",
          "what a probe of a device found"},
     Verb{"replay", "palpate-run", "replay", "Rendering", "a recorded run again"},

@@ -197,7 +197,7 @@ std::shared_ptr<HeldDatabase> database(
     throw InputError(fmt::format(
         "a database needs the tool that pressed, and {}: sphere, flat-punch or cone",
         held.indenter.shape == "plate" ? "a plate on a cylinder is not rendered"
-                                       : "none is told"));
+                                       : "none is given"));
   }
   return std::make_shared<HeldDatabase>(
       HeldDatabase{sample_patch(best_of(held.fit), held.samples, *tool,

@@ -104,11 +104,11 @@ void calibrate(CalibrateFlags& flags) {
 
 void add_calibrate_command(Command app) {
   Command command = app.add_subcommand(
-      "calibrate", "Find the factor on a device's motor commands by a hung mass.");
+      "calibrate", "Find the factor on a device's motor commands by a suspended mass.");
   const auto flags = std::make_shared<CalibrateFlags>();
   command.add_option("--device", flags->device.name, "falcon or emulated-falcon")
       .required();
-  command.add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
+  command.add_option("--mass-kg", flags->mass_kg, "Mass to suspend from the grip [kg]")
       .required();
   command.add_option("-o,--output", flags->output, "Calibration file to write (TOML)")
       .show_default();

@@ -15,7 +15,7 @@ void add_coupling_options(Command command, CouplingFlags& flags) {
                        double otherwise) {
     command.add_option(flag, value, fmt::format("{} [{}]", what, otherwise));
   };
-  add("--coupling-mass-kg", flags.mass_kg, "Mass of the hung tool [kg]", c.mass_kg);
+  add("--coupling-mass-kg", flags.mass_kg, "Mass of the coupled tool [kg]", c.mass_kg);
   add("--coupling-inertia-kg-m2", flags.inertia_kg_m2,
       "Its inertia about every axis [kg m^2]", c.inertia_kg_m2.x());
   add("--coupling-spring-n-per-m", flags.spring_n_per_m, "Spring [N/m]",

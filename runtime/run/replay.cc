@@ -89,7 +89,7 @@ std::string difference(const Recording& recording, const TickRecord& tick,
     return "";  // has nothing more
   }
   if (!same(tick.relaxed_shift_m, command.relaxed_shift_m)) {
-    return fmt::format("relaxed shift: {:.17g} recorded, {:.17g} now",
+    return fmt::format("rest offset: {:.17g} recorded, {:.17g} now",
                        tick.relaxed_shift_m, command.relaxed_shift_m);
   }
   if (tick.triangle != body.triangle()) {

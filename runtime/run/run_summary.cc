@@ -64,7 +64,7 @@ std::string energy_lines(const RenderReport& r) {
                           r.tank_j * 1e3, r.tank_max_j * 1e3,
                           r.relaxes ? fmt::format(", dents {:.4g} mJ", r.memory_j * 1e3)
                                     : std::string())) +
-         line("relaxed shift",
+         line("rest offset",
               fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
 }
 

@@ -178,7 +178,7 @@ def test_a_fit_becomes_a_database_as_with_the_tool(tmp_path):
     assert numpy.allclose(fit.force(depth), db.tool().curve(0)["force_n"], rtol=1e-9, atol=1e-12)
     assert fit.force(numpy.zeros((2, 3))).shape == (2, 3) and fit.force([-1.0]) == fit.force([0.0])
     assert fit.database().provenance["source_file"] == "" and db.provenance["source_file"] == "plain.csv"
-    with pytest.raises(palpate.InputError, match="none is told"):
+    with pytest.raises(palpate.InputError, match="none is given"):
         palpate.fit(curve).database()
 
 
