@@ -111,10 +111,10 @@ void run_batch(const BatchOptions& options) {
     fmt::print("{}", describe_notes(session));
     print_batch(session, report, folder.lexically_normal().string());
   }
-  const bool all_bad = std::all_of(report.runs.begin(), report.runs.end(),
-                                   [](const RunResult& run) {
-                                     return !run.bad.empty();
-                                   });
+  const bool all_bad =
+      std::all_of(report.runs.begin(), report.runs.end(), [](const RunResult& run) {
+        return !run.bad.empty();
+      });
   if (all_bad) {
     throw InputError(fmt::format("{}: no run could be read or fitted; {} says why",
                                  options.session, (folder / "results.csv").string()));
