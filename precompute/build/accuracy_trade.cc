@@ -269,7 +269,7 @@ void TradeRun::press_at(double resolution) {
   const PressStrategy way = choose_strategy(full, body_, reachable_);
   const auto good = pressed(full, way, way.shared_mesh && !way.graded, true);
   add_all(full, way, good, true);
-  // What good presses are compared with may want a finer shared mesh.
+  // What full presses are compared with may want a finer shared mesh.
   if (way.shared_mesh != linear_way.shared_mesh ||
       (way.shared_mesh && way.subdivisions != linear_way.subdivisions)) {
     cheap = pressed(full, way, way.shared_mesh, false);

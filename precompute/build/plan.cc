@@ -77,7 +77,7 @@ class Planner {
     if (strategy_.shared_mesh) {
       time_shared_mesh();
     } else {
-      time_cheap_on_own_meshes();
+      time_linear_on_own_meshes();
     }
     plan_relaxation(scene_, report_);
     time_good();
@@ -85,7 +85,7 @@ class Planner {
     plan_coupling(scene_, body_, reachable_, workers_, progress_, report_);
   }
   void time_shared_mesh();
-  void time_cheap_on_own_meshes();
+  void time_linear_on_own_meshes();
   void time_good();
   void time_checks();
   void count_memory();
@@ -100,7 +100,7 @@ class Planner {
                                       bool nonlinear, double times = 1.0);
   [[nodiscard]] std::vector<const WorkUnit*> territories() const;
   [[nodiscard]] std::size_t good_of(const WorkUnit& territory) const;
-  // Whether a build will probably solve every vertex without a cheap press before.
+  // Whether a build will probably solve every vertex without a linear press before.
   [[nodiscard]] bool all_solved_alone() const {
     const auto all = territories();
     return strategy_.nonlinear && std::all_of(all.begin(), all.end(), [&](auto* unit) {
@@ -124,7 +124,7 @@ class Planner {
   std::optional<PlanSharedMesh> shared_;
   std::int64_t body_bytes_ = 0;  // before anything is meshed
   double press_s_ = 0.0;         // wall time of a nonlinear press, all workers busy
-  // Cheap presses outside the budget, which are done again on meshes of their own.
+  // Linear presses outside the budget, which are done again on meshes of their own.
   double again_share_ = 0.0;
 };
 
@@ -139,7 +139,7 @@ std::vector<const WorkUnit*> Planner::territories() const {
 }
 
 std::size_t Planner::good_of(const WorkUnit& territory) const {
-  if (strategy_.cheap_is_good) {
+  if (strategy_.linear_is_full) {
     return static_cast<std::size_t>(
         std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
   }
@@ -170,7 +170,7 @@ void Planner::describe_scene() {
   report_.shared_mesh = strategy_.shared_mesh;
   report_.cut_out = strategy_.cut_out;
   const bool one_mesh = strategy_.shared_mesh || strategy_.cut_out;
-  report_.graded = strategy_.graded && !strategy_.cheap_is_good;
+  report_.graded = strategy_.graded && !strategy_.linear_is_full;
   report_.subdivisions = one_mesh ? strategy_.subdivisions : 0;
   report_.spacing_m = one_mesh ? strategy_.spacing_m : 0.5 * strategy_.focus.finest_m;
   report_.depths = scene_.accuracy.depths;
@@ -184,7 +184,7 @@ void Planner::describe_scene() {
 
 void Planner::time_shared_mesh() {
   shared_.emplace(scene_, body_, strategy_, reachable_, workers_, progress_, report_);
-  if (strategy_.cheap_is_good && strategy_.graded) {
+  if (strategy_.linear_is_full && strategy_.graded) {
     again_share_ = shared_->share_outside_budget();
   }
   if (strategy_.nonlinear && !strategy_.graded) {
@@ -257,7 +257,7 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
   return error;
 }
 
-void Planner::time_cheap_on_own_meshes() {
+void Planner::time_linear_on_own_meshes() {
   const auto groups_of = [&](const WorkUnit& unit) {
     return group_vertices(body_.surface, unit.vertex, strategy_.focus);
   };
@@ -276,7 +276,7 @@ void Planner::time_cheap_on_own_meshes() {
   const std::vector<double> error =
       time_own_meshes("groups of linear presses on meshes of their own", groups, count,
                       strategy_.focus, false);
-  if (strategy_.cheap_is_good) {
+  if (strategy_.linear_is_full) {
     const auto outside = std::ranges::count_if(error, [&](double e) {
       return kLeastErrorFactor * e > scene_.force_relative;
     });
@@ -290,7 +290,7 @@ void Planner::time_good() {
   }
   // Samples come in rounds; neighbours of a round share a mesh. What is outside the
   // budget lies side by side.
-  const bool in_rounds = !strategy_.cheap_is_good && !solve_all_;
+  const bool in_rounds = !strategy_.linear_is_full && !solve_all_;
   const auto groups_of = [&](const WorkUnit& unit) {
     return group_presses(
         body_.surface,
@@ -310,10 +310,10 @@ void Planner::time_good() {
   if (count < 0.5) {
     return;
   }
-  const bool finer_still = strategy_.cheap_is_good && !strategy_.shared_mesh;
+  const bool finer_still = strategy_.linear_is_full && !strategy_.shared_mesh;
   (void)time_own_meshes(
-      strategy_.cheap_is_good ? "groups of presses outside the budget, on finer meshes"
-                              : "groups of good presses on meshes of their own",
+      strategy_.linear_is_full ? "groups of presses outside the budget, on finer meshes"
+                               : "groups of full presses on meshes of their own",
       some_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
       finer_still ? finer(strategy_.focus, kFinerStep) : strategy_.focus,
       strategy_.nonlinear, strategy_.nonlinear && in_rounds ? kChosenTimes : 1.0);
@@ -330,7 +330,7 @@ void Planner::time_checks() {
     return;
   }
   const std::size_t count = checks.size();
-  if (press_s_ > 0.0) {  // of good presses, more than would be timed here
+  if (press_s_ > 0.0) {  // of full presses, more than would be timed here
     report_.cost.push_back(
         cost_of_all("checks", count * body_.tool.size(), 1, press_s_, kCheckTimes));
     return;
@@ -362,7 +362,7 @@ void Planner::count_memory() {
 void Planner::count_responses() {
   const std::int64_t all = report_.reachable * report_.tools;
   report_.solved_at_least = report_.solved_expected = all;
-  if (!strategy_.cheap_is_good && !solve_all_) {
+  if (!strategy_.linear_is_full && !solve_all_) {
     report_.solved_at_least = report_.solved_expected = 0;
     for (const WorkUnit* territory : territories()) {
       report_.solved_at_least +=

@@ -55,7 +55,7 @@ struct PlanReport {
   bool nonlinear = false;
   bool shared_mesh = false;
   bool cut_out = false;    ///< parts of one mesh, without a factor of the whole
-  bool graded = false;     ///< good presses have meshes of their own
+  bool graded = false;     ///< full presses have meshes of their own
   int subdivisions = 0;    ///< of the shared mesh's surface
   double spacing_m = 0.0;  ///< [m] contact nodes: shared mesh, else under the contact
   std::int64_t tets = 0;   ///< shared mesh, else the first own mesh or part

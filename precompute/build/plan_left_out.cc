@@ -31,7 +31,7 @@ std::vector<std::string> left_out_of(const Scene& scene, const PressStrategy& st
                   report.depths - report.nonlinear_depths, report.depths));
   say(report.interpolated_expected > 0,
       fmt::format(
-          "good presses of about {} of {} nodes: interpolated within the budget "
+          "full presses of about {} of {} nodes: interpolated within the budget "
           "of {:.3g} %",
           report.interpolated_expected, report.reachable * report.tools,
           100 * scene.force_relative));

@@ -317,7 +317,7 @@ NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
                        .options = options.value_or(nonlinear_options(scene, tool)),
                        .keep_states = true};
   NodeDetail detail;
-  if (strategy.shared_mesh && (strategy.cheap_is_good || !strategy.graded)) {
+  if (strategy.shared_mesh && (strategy.linear_is_full || !strategy.graded)) {
     detail.model = make_shared_model(scene, body, strategy);
     detail.pressed = std::move(
         press_on_model(scene, body, detail.model, tool, {&v, 1}, mode).front());

@@ -16,7 +16,7 @@ namespace {
 constexpr double kAlikeRadii = 4.0;
 // Energy that laws add which counts as a stiffness e times as large.
 constexpr double kAlikeEnergy = 0.25;
-// [rad] Lean of a cheap force below which its direction along the surface is the
+// [rad] Lean of a linear force below which its direction along the surface is the
 // mesh's.
 constexpr double kLeastLean = 0.003;
 
@@ -53,32 +53,32 @@ double ordinary_variance(const Eigen::VectorXd& square) {
 
 }  // namespace
 
-RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
+RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& linear) {
   // Of the secant at the path's end.
   const double force_n =
-      std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
+      std::max(linear.sample.back().force_n.norm(), std::numeric_limits<double>::min());
   const double past_touch_m =
-      cheap.sample.back().penetration_m - cheap.sample.front().penetration_m;
+      linear.sample.back().penetration_m - linear.sample.front().penetration_m;
   Eigen::Vector3d mean_n = Eigen::Vector3d::Zero();
-  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
+  for (std::size_t k = 1; k < linear.sample.size(); ++k) {
     const double step_m =
-        cheap.sample[k].penetration_m - cheap.sample[k - 1].penetration_m;
+        linear.sample[k].penetration_m - linear.sample[k - 1].penetration_m;
     mean_n += 0.5 * step_m / past_touch_m *
-              (cheap.sample[k - 1].force_n + cheap.sample[k].force_n);
+              (linear.sample[k - 1].force_n + linear.sample[k].force_n);
   }
-  return {vertex, reproducible::log(force_n / past_touch_m), cheap.nonlinearity,
+  return {vertex, reproducible::log(force_n / past_touch_m), linear.nonlinearity,
           mean_n};
 }
 
-void RatioField::add(std::int32_t vertex, const Indentation& cheap,
+void RatioField::add(std::int32_t vertex, const Indentation& linear,
                      std::optional<PathRatio> ratio) {
   ratios_ += ratio ? 1 : 0;
-  Eigen::MatrixX3d direction(static_cast<Eigen::Index>(cheap.sample.size()) - 1, 3);
+  Eigen::MatrixX3d direction(static_cast<Eigen::Index>(linear.sample.size()) - 1, 3);
   for (Eigen::Index k = 0; k < direction.rows(); ++k) {
     direction.row(k) =
-        cheap.sample[static_cast<std::size_t>(k) + 1].force_n.normalized().transpose();
+        linear.sample[static_cast<std::size_t>(k) + 1].force_n.normalized().transpose();
   }
-  known_.push_back({place_of(vertex, cheap), std::move(ratio), std::move(direction)});
+  known_.push_back({place_of(vertex, linear), std::move(ratio), std::move(direction)});
 }
 
 double RatioField::unlikeness(const Place& a, const Place& b) const {
@@ -187,10 +187,10 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
       // |r e' - e|^2 = (r - 1)^2 + r |e' - e|^2, r the predicted force over the true
       // one, e and e' their directions.
       const double off_by = reproducible::expm1(-off(i, k));
-      const Eigen::RowVector3d cheap =
+      const Eigen::RowVector3d linear =
           known.direction.row(std::min(k, known.direction.rows() - 1));
-      const double turned = ((cheap + told.turn.row(k)).normalized() -
-                             (cheap + known.ratio->turn.row(k)).normalized())
+      const double turned = ((linear + told.turn.row(k)).normalized() -
+                             (linear + known.ratio->turn.row(k)).normalized())
                                 .norm();
       result.error[i] = std::max(
           result.error[i],
@@ -266,21 +266,22 @@ PathRatio RatioModel::ratio_of(const Eigen::VectorXd& value,
   return ratio;
 }
 
-PathRatio RatioModel::at(std::int32_t vertex, const Indentation& cheap) const {
-  const RatioField::Place place = RatioField::place_of(vertex, cheap);
+PathRatio RatioModel::at(std::int32_t vertex, const Indentation& linear) const {
+  const RatioField::Place place = RatioField::place_of(vertex, linear);
   return ratio_of(value_.transpose() * kriging_->at(scaled(place, lengths_)).weight,
                   place);
 }
 
-PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap) const {
+PathRatio RatioModel::from_others(std::int32_t vertex,
+                                  const Indentation& linear) const {
   for (std::size_t i = 0; i < with_ratio_.size(); ++i) {
     if (field_.known()[with_ratio_[i]].place.vertex == vertex) {
       const auto row = static_cast<Eigen::Index>(i);
       return ratio_of((value_ - kriging_->left_out(value_)).row(row).transpose(),
-                      RatioField::place_of(vertex, cheap));
+                      RatioField::place_of(vertex, linear));
     }
   }
-  return at(vertex, cheap);
+  return at(vertex, linear);
 }
 
 // Means over the nearest known vertices, weighted by inverse squares of distance.
@@ -308,11 +309,11 @@ RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
   return {mean.roughness / sum, mean.unlike / sum};
 }
 
-double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const {
+double RatioModel::error_at(std::int32_t vertex, const Indentation& linear) const {
   if (with_ratio_.size() < 2) {
     return kUnlikeError;
   }
-  const RatioField::Place place = RatioField::place_of(vertex, cheap);
+  const RatioField::Place place = RatioField::place_of(vertex, linear);
   const Around near = around(place);
   const double variance = kriging_->at(scaled(place, lengths_)).variance *
                           std::max(near.roughness, roughness_.ordinary);

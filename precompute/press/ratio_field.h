@@ -1,4 +1,4 @@
-// Ratios of full-accuracy ("good") and linear ("cheap") presses over a body: known at
+// Ratios of full-accuracy and linear presses over a body: known at
 // some vertices, predicted at the others by kriging.
 #pragma once
 
@@ -23,14 +23,14 @@ class RatioField {
   /// What a vertex' ratio depends on.
   struct Place {
     std::int32_t vertex = -1;
-    double log_stiffness = 0.0;  ///< ln [N/m], of the cheap path
+    double log_stiffness = 0.0;  ///< ln [N/m], of the linear path
     double nonlinearity = 0.0;   ///< [-] Indentation::nonlinearity
-    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] mean of the cheap path
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] mean of the linear path
   };
   struct Known {
     Place place;
     std::optional<PathRatio> ratio;
-    /// (k x 3) [-] unit forces of the cheap path at its samples but the first
+    /// (k x 3) [-] unit forces of the linear path at its samples but the first
     Eigen::MatrixX3d direction;
   };
   static constexpr std::size_t kCoordinates = 8;
@@ -39,12 +39,12 @@ class RatioField {
   RatioField(const SurfaceMesh& surface, const Points& normal, double contact_m)
       : surface_(surface), normal_(normal), contact_m_(contact_m) {}
 
-  [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& cheap);
+  [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& linear);
 
-  /// @param cheap the vertex's, a guide.
+  /// @param linear the vertex's, a guide.
   /// @param ratio none where the presses are not alike: then the vertex counts in
   /// errors, as wrong by all of its force, but not in predictions.
-  void add(std::int32_t vertex, const Indentation& cheap,
+  void add(std::int32_t vertex, const Indentation& linear,
            std::optional<PathRatio> ratio);
 
   [[nodiscard]] std::span<const Known> known() const { return known_; }
@@ -65,7 +65,7 @@ class RatioField {
   [[nodiscard]] Eigen::Vector<double, kCoordinates> coordinates(const Place& p) const;
 
   /// The frame in which turns of forces are alike over the surface, in columns: the
-  /// normal n, c and n x c. c is the part of the cheap force along the surface, of
+  /// normal n, c and n x c. c is the part of the linear force along the surface, of
   /// length 1 where the force leans, and of a length that goes to 0 with its lean below
   /// a fifth of a degree. So c is continuous: where the force does not lean it points
   /// nowhere, and no turn along the surface is taken from other vertices.
@@ -94,17 +94,17 @@ class RatioModel {
   explicit RatioModel(const RatioField& field);
 
   /// The ratio at a vertex; field.size() must not be 0.
-  [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& cheap) const;
+  [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& linear) const;
 
   /// The same, from all others where the vertex' own ratio is known; field.size() must
   /// be larger than 1 there.
   [[nodiscard]] PathRatio from_others(std::int32_t vertex,
-                                      const Indentation& cheap) const;
+                                      const Indentation& linear) const;
 
   /// Error of force [-] that is expected at a vertex if it takes this ratio:
   /// kExpectedDeviations of a field that is as rough as around the vertex, or as
   /// everywhere, whichever is more; and more where presses nearby were not alike.
-  [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
+  [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& linear) const;
 
   /// Error [-] of every known ratio as the others predict it, in the order of
   /// field.known(); 1 where there is no ratio, or no other.

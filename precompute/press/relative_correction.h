@@ -1,5 +1,5 @@
-// How a better solution differs from a cheap one along a path, between the depths where
-// both are known.
+// How a better solution differs from a linear one along a path, between the depths
+// where both are known.
 #pragma once
 
 #include <span>

@@ -67,7 +67,7 @@ std::vector<std::vector<Forces>> presses(
     std::vector<Forces> of_vertex(static_cast<std::size_t>(body.normal.rows()));
     in_parallel(units.size(), [&](std::size_t i) {
       if (!units[i].is_check) {
-        for (const PressedNode& node : solver.cheap(body.tool[t], units[i].vertex)) {
+        for (const PressedNode& node : solver.linear(body.tool[t], units[i].vertex)) {
           of_vertex[static_cast<std::size_t>(node.vertex)] = forces_of(node);
         }
       }

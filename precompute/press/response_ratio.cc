@@ -41,22 +41,23 @@ bool is_guide(const Indentation& path) {
                      });
 }
 
-std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& cheap) {
-  if (!is_guide(good) || !is_guide(cheap)) {
+std::optional<PathRatio> path_ratio(const Indentation& full,
+                                    const Indentation& linear) {
+  if (!is_guide(full) || !is_guide(linear)) {
     return std::nullopt;
   }
-  const auto samples = static_cast<Eigen::Index>(cheap.sample.size() - 1);
+  const auto samples = static_cast<Eigen::Index>(linear.sample.size() - 1);
   PathRatio ratio{.force = Eigen::VectorXd(samples),
                   .turn = Eigen::MatrixX3d(samples, 3),
-                  .weight = error_weights(cheap),
-                  .hard_share = good.hard_path ? 1.0 : 0.0};
+                  .weight = error_weights(linear),
+                  .hard_share = full.hard_path ? 1.0 : 0.0};
   for (Eigen::Index i = 0; i < samples; ++i) {
     const std::size_t k =
-        std::min(static_cast<std::size_t>(i) + 1, good.sample.size() - 1);
-    const Eigen::Vector3d& good_n = good.sample[k].force_n;
-    const Eigen::Vector3d& cheap_n = cheap.sample[k].force_n;
-    ratio.force[i] = good_n.norm() / cheap_n.norm();
-    ratio.turn.row(i) = good_n.normalized() - cheap_n.normalized();
+        std::min(static_cast<std::size_t>(i) + 1, full.sample.size() - 1);
+    const Eigen::Vector3d& full_n = full.sample[k].force_n;
+    const Eigen::Vector3d& linear_n = linear.sample[k].force_n;
+    ratio.force[i] = full_n.norm() / linear_n.norm();
+    ratio.turn.row(i) = full_n.normalized() - linear_n.normalized();
   }
   if (!(ratio.force.minCoeff() > 1.0 / kAlike && ratio.force.maxCoeff() < kAlike)) {
     return std::nullopt;
@@ -64,9 +65,9 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
   return ratio;
 }
 
-Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
+Indentation scaled(const Indentation& linear, const PathRatio& ratio,
                    double force_max_n) {
-  Indentation path = cheap;
+  Indentation path = linear;
   path.force_capped = false;
   path.hard_path = ratio.hard_share >= 0.5;
   for (std::size_t k = 1; k < path.sample.size() && !path.force_capped; ++k) {
@@ -83,7 +84,7 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
       path.sample.resize(k + 1);
     }
   }
-  path.ends_early = cheap.force_capped && !path.force_capped;
+  path.ends_early = linear.force_capped && !path.force_capped;
   return path;
 }
 

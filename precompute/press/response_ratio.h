@@ -1,14 +1,14 @@
-// How a good solution of a node's press compares with a cheap one, and what that says
+// How a full solution of a node's press compares with a linear one, and what that says
 // about its neighbours.
 //
 // A ratio needs two forces that mean the same thing. A press is a guide where it
 // carries force at every depth after the first touch; where it carries none (the tool
 // leaves contact on its way, or touches twice) nothing can be divided by it and nothing
 // scaled. Two guides are alike where the ratio of their forces lies between 1/10 and 10
-// at every depth; where it does not, the good press follows another mechanism than the
-// cheap one (it lost contact, or a fold closed), and its ratio says nothing about other
-// vertices, but that they may be as odd. Such vertices keep their own good press, and
-// those around them are not interpolated without more solves.
+// at every depth; where it does not, the full press follows another mechanism than the
+// linear one (it lost contact, or a fold closed), and its ratio says nothing about
+// other vertices, but that they may be as odd. Such vertices keep their own full press,
+// and those around them are not interpolated without more solves.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@
 
 namespace palpate {
 
-/// Good over cheap along a path.
+/// Good over linear along a path.
 struct PathRatio {
-  Eigen::VectorXd force;  ///< (k) [-] at the cheap path's samples but the first
-  /// (k x 3) [-] good direction minus the cheap one.
+  Eigen::VectorXd force;  ///< (k) [-] at the linear path's samples but the first
+  /// (k x 3) [-] full direction minus the linear one.
   Eigen::MatrixX3d turn;
   /// (k) [-] What sample k's ratio counts in an error, as force_difference() has it:
   /// nothing below a tenth of the depth, less where the force is below a tenth of the
@@ -41,15 +41,15 @@ struct PathRatio {
 [[nodiscard]] bool is_guide(const Indentation& path);
 
 /// Of two presses on one mesh, so at the same depths: its errors are alike in both and
-/// cancel. None where either path is no guide, or they are not alike. Where the good
+/// cancel. None where either path is no guide, or they are not alike. Where the full
 /// path is shorter its last ratio goes on.
-[[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
-                                                  const Indentation& cheap);
+[[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& full,
+                                                  const Indentation& linear);
 
-/// A cheap path, on any mesh, scaled and turned sample by sample. Hard to follow where
-/// half of the ratio or more is of such presses. It ends early where the cheap path was
-/// capped and its force is not past force_max_n there.
-[[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
+/// A linear path, on any mesh, scaled and turned sample by sample. Hard to follow where
+/// half of the ratio or more is of such presses. It ends early where the linear path
+/// was capped and its force is not past force_max_n there.
+[[nodiscard]] Indentation scaled(const Indentation& linear, const PathRatio& ratio,
                                  double force_max_n);
 
 }  // namespace palpate

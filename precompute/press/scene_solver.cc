@@ -161,7 +161,7 @@ PressStrategy choose_strategy(const Scene& scene, const BodySource& body,
        (refine == "auto" && shared.fine_enough &&
         sharing_costs_less(scene, body, pressed, shared, strategy.focus)));
   strategy.graded = !strategy.cut_out && refine != "global";
-  strategy.cheap_is_good = !strategy.nonlinear;
+  strategy.linear_is_full = !strategy.nonlinear;
   if ((strategy.shared_mesh || strategy.cut_out) && !shared.fine_enough) {
     strategy.notes.push_back(fmt::format(
         "contact nodes are {:.3g} mm apart where the scene asks for {:.3g} mm: a finer "
@@ -222,7 +222,7 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
       }));
 }
 
-std::vector<PressedNode> SceneSolver::cheap(
+std::vector<PressedNode> SceneSolver::linear(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
   const PressMode mode{.probe = strategy_.nonlinear};
   if (strategy_.shared_mesh) {
@@ -244,36 +244,36 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
     const BodySource& body, const SharedTool& tool,
     std::span<const std::int32_t> vertices, const PressMode& mode) const {
   const ContactFocus& focus = strategy_.focus;
-  return in_groups(
-      group_presses(body.surface, vertices,
-                    palpate::finer(focus, mode.recipe.times_finer), mode.nonlinear),
-      [&](const Group& group) {
-        auto nodes = press_on_own_mesh(scene_, body, tool, group, focus, mode);
-        const bool good = mode.nonlinear == strategy_.nonlinear &&
-                          mode.recipe.depths == SolvedDepths::kFew;
-        if (watch_ && good) {
-          watch_(tool, nodes);
-        }
-        return nodes;
-      });
+  return in_groups(group_presses(body.surface, vertices,
+                                 finer(focus, mode.recipe.times_finer), mode.nonlinear),
+                   [&](const Group& group) {
+                     auto nodes =
+                         press_on_own_mesh(scene_, body, tool, group, focus, mode);
+                     const bool good = mode.nonlinear == strategy_.nonlinear &&
+                                       mode.recipe.depths == SolvedDepths::kFew;
+                     if (watch_ && good) {
+                       watch_(tool, nodes);
+                     }
+                     return nodes;
+                   });
 }
 
-PressMode SceneSolver::good_mode(const SharedTool& tool) const {
+PressMode SceneSolver::full_mode(const SharedTool& tool) const {
   return {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)};
 }
 
-std::vector<PressedNode> SceneSolver::good(
+std::vector<PressedNode> SceneSolver::full(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
   if (strategy_.cut_out) {
     return on_cut_outs(tool, vertices, 1.0);
   }
-  return strategy_.graded ? on_own_meshes(body_, tool, vertices, good_mode(tool))
-                          : on_shared_mesh(tool, vertices, good_mode(tool));
+  return strategy_.graded ? on_own_meshes(body_, tool, vertices, full_mode(tool))
+                          : on_shared_mesh(tool, vertices, full_mode(tool));
 }
 
 std::vector<PressedNode> SceneSolver::with_states(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
-  PressMode mode = good_mode(tool);
+  PressMode mode = full_mode(tool);
   mode.keep_states = true;
   return on_shared_mesh(tool, vertices, mode);
 }
@@ -289,19 +289,20 @@ std::vector<PressedNode> SceneSolver::on_shared_mesh(
   return nodes;
 }
 
-std::vector<PressedNode> SceneSolver::finer(
+std::vector<PressedNode> SceneSolver::refined(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
   return on_own_meshes(
       body_, tool, vertices,
       {.recipe = {.times_finer = strategy_.shared_mesh ? 1.0 : kFinerStep}});
 }
 
-PressedNode SceneSolver::better(const SharedTool& tool, std::int32_t vertex,
-                                const SurfacePoint& place, double times_finer) const {
+PressedNode SceneSolver::reference(const SharedTool& tool, std::int32_t vertex,
+                                   const SurfacePoint& place,
+                                   double times_finer) const {
   if (strategy_.cut_out) {
     return on_cut_outs(tool, {&vertex, 1}, kCutStep).front();
   }
-  PressMode mode = good_mode(tool);
+  PressMode mode = full_mode(tool);
   mode.recipe = {.times_finer = times_finer, .depths = SolvedDepths::kBetween};
   NonlinearOptions& options = mode.options;
   options.near_gradient *= kBetterShare;

@@ -1,10 +1,11 @@
 // Presses of a scene's nodes:
 //
-//   cheap()        linear, on a mesh that many or a few neighbours share
-//   finer()        linear, on a finer mesh for each node
-//   good()         full-accuracy: the best at the strategy's mesh size
-//   with_states()  full-accuracy on the shared mesh, with states as solved
-//   better()       verification: finer mesh, wider nonlinear region, tighter tolerances
+//   linear()        linear, on a mesh that many or a few neighbours share
+//   refined()       linear, on a finer mesh for each node
+//   full()          full-accuracy: the best at the strategy's mesh size
+//   with_states()   full-accuracy on the shared mesh, with states as solved
+//   reference()     verification: finer mesh, wider nonlinear region, tighter
+//   tolerances
 #pragma once
 
 #include <cstdint>
@@ -33,13 +34,13 @@ struct PressStrategy {
   bool shared_mesh = true;
   /// All presses are on submodels cut out of one mesh; no shared_mesh.
   bool cut_out = false;
-  bool graded = true;  ///< good presses have a mesh of their own, graded to the contact
+  bool graded = true;  ///< full presses have a mesh of their own, graded to the contact
   /// Linear presses suffice: the scene asks for no others, or they are as accurate.
-  bool cheap_is_good = false;
+  bool linear_is_full = false;
   int subdivisions = 0;    ///< of the surface of the shared mesh, or of that to be cut
   SurfaceMesh surface;     ///< of that mesh
   double spacing_m = 0.0;  ///< [m] contact nodes of that mesh
-  ContactFocus focus;      ///< of meshes of good presses
+  ContactFocus focus;      ///< of meshes of full presses
   std::vector<std::string> notes;
 };
 
@@ -72,11 +73,11 @@ class SceneSolver {
               std::span<const std::int32_t> pressed, Progress& progress);
 
   /// Linear presses. Safe from several threads, same bits from any.
-  [[nodiscard]] std::vector<PressedNode> cheap(
+  [[nodiscard]] std::vector<PressedNode> linear(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
   /// The best presses there are at the strategy's mesh size.
-  [[nodiscard]] std::vector<PressedNode> good(
+  [[nodiscard]] std::vector<PressedNode> full(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
   /// The best presses there are on the mesh that all share, with their states
@@ -87,15 +88,16 @@ class SceneSolver {
   /// Linear presses of nodes for which the strategy's mesh is too coarse. Each has a
   /// mesh of its own: of the strategy's size where the mesh was shared, else kFinerStep
   /// times finer.
-  [[nodiscard]] std::vector<PressedNode> finer(
+  [[nodiscard]] std::vector<PressedNode> refined(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
   /// Verification press: on a mesh `times_finer` as fine, nonlinear at
   /// SolvedDepths::kBetween, with a larger nonlinear region and tighter tolerances.
   /// Submodels are wider instead. @param place between vertices, as split_at()'s; at
   /// the vertex where its triangle is -1, and always for submodels.
-  [[nodiscard]] PressedNode better(const SharedTool& tool, std::int32_t vertex,
-                                   const SurfacePoint& place, double times_finer) const;
+  [[nodiscard]] PressedNode reference(const SharedTool& tool, std::int32_t vertex,
+                                      const SurfacePoint& place,
+                                      double times_finer) const;
 
   /// Called with full-accuracy presses on meshes of their own as they come, from
   /// several threads. A later, better press may replace them. Set before any press.
@@ -109,7 +111,7 @@ class SceneSolver {
   [[nodiscard]] const CutOutSolver* cut_out() const { return cut_out_.get(); }
 
  private:
-  [[nodiscard]] PressMode good_mode(const SharedTool& tool) const;
+  [[nodiscard]] PressMode full_mode(const SharedTool& tool) const;
   [[nodiscard]] std::vector<PressedNode> on_own_meshes(
       const BodySource& body, const SharedTool& tool,
       std::span<const std::int32_t> vertices, const PressMode& mode) const;

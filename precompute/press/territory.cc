@@ -44,24 +44,24 @@ Territory::Territory(const Scene& scene, const BodySource& body,
       solver_(solver),
       tool_(tool),
       vertex_(vertices),
-      cheap_(vertices.size()),
-      good_(vertices.size()),
+      linear_(vertices.size()),
+      full_(vertices.size()),
       field_(no_ratios()) {}
 
 RatioField Territory::no_ratios() const {
   return {body_.surface, body_.normal, contact_focus(scene_, body_).contact_m};
 }
 
-void Territory::keep_cheap_within_budget(bool graded) {
-  std::copy(cheap_.begin(), cheap_.end(), good_.begin());
+void Territory::keep_linear_within_budget(bool graded) {
+  std::copy(linear_.begin(), linear_.end(), full_.begin());
   Places outside;
-  for (std::size_t i = 0; graded && i < good_.size(); ++i) {
-    if (!good_[i]->patch.empty() && is_outside_budget(*good_[i])) {
+  for (std::size_t i = 0; graded && i < full_.size(); ++i) {
+    if (!full_[i]->patch.empty() && is_outside_budget(*full_[i])) {
       outside.push_back(i);
     }
   }
-  for (PressedNode& node : solver_.finer(tool_, vertices_at(outside))) {
-    PressedNode& kept = *good_[index_of(node.vertex)];
+  for (PressedNode& node : solver_.refined(tool_, vertices_at(outside))) {
+    PressedNode& kept = *full_[index_of(node.vertex)];
     Attempt& last = kept.tried[last_taken(kept.tried)];
     Attempt& finest = node.tried[last_taken(node.tried)];
     const NodeResponse coarse = response_of(kept);
@@ -113,10 +113,10 @@ void Territory::solve_few_first() {
     solve(unsolved());
     return;
   }
-  press_cheap();
-  for (std::size_t i = 0; i < good_.size(); ++i) {
-    if (good_[i] && is_like_others(i)) {
-      take_ratio(i, *good_[i]);
+  solve_linear();
+  for (std::size_t i = 0; i < full_.size(); ++i) {
+    if (full_[i] && is_like_others(i)) {
+      take_ratio(i, *full_[i]);
     }
   }
   solve(only_by_solving());
@@ -126,7 +126,7 @@ void Territory::solve_few_first() {
 // Whether the ratio of each solved vertex follows from the others', within the budget.
 bool Territory::few_predict_each_other() const {
   RatioField trial = no_ratios();
-  for (const auto& node : good_) {
+  for (const auto& node : full_) {
     if (!node) {
       continue;
     }
@@ -149,7 +149,7 @@ void Territory::solve_kinds_until_within_budget() {
     const RatioModel ratios(field_);
     std::vector<double> error(vertex_.size(), 0.0);
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      if (!good_[i] && is_like_others(i)) {
+      if (!full_[i] && is_like_others(i)) {
         error[i] = expected_error(i, ratios);
       }
     }
@@ -169,11 +169,11 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
   const RatioModel ratios(field_);
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
     WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
-    const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
+    const PressedNode& press = full_[i] ? *full_[i] : linear_[i];
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     bool ends_early = press.indentation.ends_early;
-    if (good_[i]) {
+    if (full_[i]) {
       node.history = history_text(press.tried);
       node.response = response_of(press);
     } else if (is_like_others(i) && field_.size() > 0) {
@@ -196,29 +196,29 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
 }
 
 bool Territory::touches(std::size_t i) const {
-  return cheap_[i].indentation.sample.size() > 1;
+  return linear_[i].indentation.sample.size() > 1;
 }
 
-// Whether ratios of others may scale the cheap press.
+// Whether ratios of others may scale the linear press.
 bool Territory::is_like_others(std::size_t i) const {
-  return is_guide(cheap_[i].indentation) && !touches_late(cheap_[i]);
+  return is_guide(linear_[i].indentation) && !touches_late(linear_[i]);
 }
 
 Territory::Places Territory::unsolved() const {
   Places which;
-  for (std::size_t i = 0; i < good_.size(); ++i) {
-    if (!good_[i]) {
+  for (std::size_t i = 0; i < full_.size(); ++i) {
+    if (!full_[i]) {
       which.push_back(i);
     }
   }
   return which;
 }
 
-// Vertices about whose response neither the cheap press nor neighbours say anything.
+// Vertices about whose response neither the linear press nor neighbours say anything.
 Territory::Places Territory::only_by_solving() const {
   Places which;
   for (const std::size_t i : unsolved()) {
-    if (!cheap_[i].patch.empty() && !is_like_others(i)) {
+    if (!linear_[i].patch.empty() && !is_like_others(i)) {
       which.push_back(i);
     }
   }
@@ -285,7 +285,7 @@ Territory::Places Territory::spread(
     }
   };
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
-    if (good_[i]) {
+    if (full_[i]) {
       take(i);
     }
   }
@@ -294,7 +294,7 @@ Territory::Places Territory::spread(
     std::optional<std::size_t> best;
     double most = 0.0;
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      if (!good_[i] && is_like_others(i) && worth(i, distance[i]) > most) {
+      if (!full_[i] && is_like_others(i) && worth(i, distance[i]) > most) {
         best = i;
         most = worth(i, distance[i]);
       }
@@ -311,31 +311,31 @@ Territory::Places Territory::spread(
 // Infinite where only a solve can tell.
 double Territory::expected_error(std::size_t i, const RatioModel& ratios) const {
   return field_.size() < 2 ? std::numeric_limits<double>::infinity()
-                           : ratios.error_at(vertex_[i], cheap_[i].indentation);
+                           : ratios.error_at(vertex_[i], linear_[i].indentation);
 }
 
 NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios,
                                      bool& ends_early) const {
-  const Indentation& cheap = cheap_[i].indentation;
+  const Indentation& linear = linear_[i].indentation;
   const Indentation path =
-      scaled(cheap, ratios.at(vertex_[i], cheap), scene_.reach.force_max_n);
+      scaled(linear, ratios.at(vertex_[i], linear), scene_.reach.force_max_n);
   ends_early = path.ends_early;
-  NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
+  NodeResponse response = to_response(path, linear_[i].path, scene_.force_relative);
   response.origin = ResponseOrigin::kInterpolated;
   response.error_relative =
-      std::hypot(response.error_relative, ratios.error_at(vertex_[i], cheap));
+      std::hypot(response.error_relative, ratios.error_at(vertex_[i], linear));
   fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
   response.flags = static_cast<std::uint8_t>(response.flags & ~kCoarseContact);
   return response;
 }
 
 void Territory::solve(const Places& which) {
-  for (PressedNode& node : solver_.good(tool_, vertices_at(which))) {
+  for (PressedNode& node : solver_.full(tool_, vertices_at(which))) {
     const std::size_t i = index_of(node.vertex);
     if (node.failure.empty() && is_like_others(i)) {
       take_ratio(i, node);
     }
-    good_[i] = std::move(node);
+    full_[i] = std::move(node);
   }
 }
 
@@ -344,9 +344,9 @@ std::size_t Territory::index_of(std::int32_t vertex) const {
       std::lower_bound(vertex_.begin(), vertex_.end(), vertex) - vertex_.begin());
 }
 
-// What a good press says about its neighbours: the law's share alone, both on one mesh.
+// What a full press says about its neighbours: the law's share alone, both on one mesh.
 void Territory::take_ratio(std::size_t i, const PressedNode& node) {
-  const Indentation& cheap = cheap_[i].indentation;
+  const Indentation& linear = linear_[i].indentation;
   auto ratio = path_ratio(node.indentation, node.linear);
   if (ratio) {
     fault_point(FaultPlace::kRatio, node.vertex,
@@ -355,7 +355,7 @@ void Territory::take_ratio(std::size_t i, const PressedNode& node) {
       ratio.reset();  // it would spoil its neighbours' means
     }
   }
-  field_.add(node.vertex, cheap, std::move(ratio));
+  field_.add(node.vertex, linear, std::move(ratio));
 }
 
 }  // namespace palpate

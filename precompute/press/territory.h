@@ -1,5 +1,5 @@
 // Interpolation cluster: neighbouring vertices, some of them with full-accuracy
-// ("good") presses. The others have their linear ("cheap") press times a ratio, which
+// presses. The others have their linear press times a ratio, which
 // kriging predicts from the solved vertices (ratio_field.h).
 #pragma once
 
@@ -32,15 +32,16 @@ inline constexpr std::size_t kKnownPerSample = 10;
 [[nodiscard]] bool keeps_budget(std::span<const double> expected, std::size_t known,
                                 double budget);
 
-/// press_cheap() gives every vertex a linear press. A solved vertex has a full-accuracy
-/// press. The ratio of both (path_ratio) is known where their paths are comparable.
+/// solve_linear() gives every vertex a linear press. A solved vertex has a
+/// full-accuracy press. The ratio of both (path_ratio) is known where their paths are
+/// comparable.
 ///
 /// Sequences of calls; answer() ends each:
 ///
-///   press_cheap()  keep_cheap_within_budget()  linear presses suffice
+///   solve_linear()  keep_linear_within_budget()  linear presses suffice
 ///   solve_all()                                no interpolation, meshes of their own
-///   press_cheap()  solve_all()                 no interpolation, a shared mesh
-///   press_cheap()  solve_within_budget()       interpolation
+///   solve_linear()  solve_all()                 no interpolation, a shared mesh
+///   solve_linear()  solve_within_budget()       interpolation
 ///   solve_few_first()                          a small cluster, meshes of their own
 class Territory {
  public:
@@ -48,12 +49,12 @@ class Territory {
   Territory(const Scene& scene, const BodySource& body, const SceneSolver& solver,
             const SharedTool& tool, std::span<const std::int32_t> vertices);
 
-  void press_cheap() { cheap_ = solver_.cheap(tool_, vertex_); }
+  void solve_linear() { linear_ = solver_.linear(tool_, vertex_); }
 
   /// Where linear presses are of the same kind as full-accuracy ones. @param graded
   /// presses whose own error estimate is outside the budget are repeated on finer
   /// meshes.
-  void keep_cheap_within_budget(bool graded);
+  void keep_linear_within_budget(bool graded);
 
   void solve_all() { solve(unsolved()); }
 
@@ -86,7 +87,7 @@ class Territory {
       const std::function<double(std::size_t, double)>& worth) const;
   [[nodiscard]] bool few_predict_each_other() const;
   [[nodiscard]] RatioField::Place place(std::size_t i) const {
-    return RatioField::place_of(vertex_[i], cheap_[i].indentation);
+    return RatioField::place_of(vertex_[i], linear_[i].indentation);
   }
   [[nodiscard]] double expected_error(std::size_t i, const RatioModel& ratios) const;
   [[nodiscard]] NodeResponse interpolated(std::size_t i, const RatioModel& ratios,
@@ -105,8 +106,8 @@ class Territory {
   const SceneSolver& solver_;
   const SharedTool& tool_;
   std::span<const std::int32_t> vertex_;
-  std::vector<PressedNode> cheap_;  // as default where not asked for
-  std::vector<std::optional<PressedNode>> good_;
+  std::vector<PressedNode> linear_;  // as default where not asked for
+  std::vector<std::optional<PressedNode>> full_;
   RatioField field_;
 };
 

@@ -26,8 +26,8 @@ double evenly(std::uint64_t i) {
 
 constexpr double kTightBudget = 0.03;  // [-] of force
 
-// Of so few vertices most are probably solved: not worth cheap presses of all, unless a
-// few good ones say otherwise.
+// Of so few vertices most are probably solved: not worth linear presses of all, unless
+// a few full ones say otherwise.
 bool is_small(std::size_t vertices, double force_relative) {
   return vertices <= (force_relative < kTightBudget ? 76 : 52);
 }
@@ -44,7 +44,7 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
       .index = unit.index, .is_check = true, .node = {}, .place = unit.place};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     const PressedNode node =
-        solver.better(body.tool[t], unit.vertex.front(), unit.place, times_finer);
+        solver.reference(body.tool[t], unit.vertex.front(), unit.place, times_finer);
     outcome.node.push_back(
         {.tool = static_cast<std::int32_t>(t),
          .vertex = unit.vertex.front(),
@@ -209,18 +209,18 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     Territory territory(scene, body, solver, body.tool[t], unit.vertex);
     const bool own_meshes = !strategy.shared_mesh && !strategy.cut_out;
-    if (strategy.cheap_is_good) {
-      territory.press_cheap();
-      territory.keep_cheap_within_budget(strategy.graded);
+    if (strategy.linear_is_full) {
+      territory.solve_linear();
+      territory.keep_linear_within_budget(strategy.graded);
     } else if (solve_all) {
-      if (!own_meshes) {  // else cheap ones cost about as much
-        territory.press_cheap();
+      if (!own_meshes) {  // else linear ones cost about as much
+        territory.solve_linear();
       }
       territory.solve_all();
     } else if (own_meshes && is_small(unit.vertex.size(), scene.force_relative)) {
       territory.solve_few_first();
     } else {
-      territory.press_cheap();
+      territory.solve_linear();
       territory.solve_within_budget();
     }
     territory.answer(static_cast<std::int32_t>(t), outcome.node);

@@ -23,7 +23,7 @@ inline constexpr double kNonlinearCheckTimesFiner = 1.5;
 [[nodiscard]] double check_times_finer(const PressStrategy& strategy,
                                        const SurfacePoint& place);
 
-/// Good presses that a territory of so many vertices will probably need at a budget
+/// Full presses that a territory of so many vertices will probably need at a budget
 /// [-]. A third: a gel cylinder and an organ of neo-Hookean material need 0.40 and 0.32
 /// of theirs to 5 % (MEASURED.md), where forces change more from place to place more.
 /// All of a small one.
@@ -47,10 +47,10 @@ struct WorkUnit {
 [[nodiscard]] std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
                                              std::span<const std::int32_t> vertices);
 
-/// Solves a unit for every tool. Nodes are solved well until the ratio of good and
-/// cheap solutions, interpolated between them, is expected within the budget at 95 % of
-/// all (keeps_budget()); the rest is cheap times ratio. A vertex whose cheap press is
-/// no guide (is_guide), or touches late (touches_late), is solved. Every node of the
+/// Solves a unit for every tool. Nodes are solved fully until the ratio of full and
+/// linear solutions, interpolated between them, is expected within the budget at 95 %
+/// of all (keeps_budget()); the rest is linear times ratio. A vertex whose linear press
+/// is no guide (is_guide), or touches late (touches_late), is solved. Every node of the
 /// outcome keeps the rules of responses (broken_rule), or has failed and says why; a
 /// node that fails leaves the others as they are, but for what would have been
 /// interpolated from it.

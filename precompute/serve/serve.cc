@@ -26,7 +26,7 @@
 #include "precompute/process/patience.h"
 #include "precompute/serve/answer_log.h"
 #include "precompute/serve/answer_tally.h"
-#include "precompute/serve/cheap_answers.h"
+#include "precompute/serve/preliminary_answers.h"
 #include "precompute/serve/service_sessions.h"
 #include "precompute/serve/unit_claims.h"
 
@@ -73,7 +73,7 @@ class Service {
         log_(log),
         hands_(hands),
         tally_(job),
-        board_(job.body.surface.position_m, cheap_groups(scene, job), job.units),
+        board_(job.body.surface.position_m, preliminary_groups(scene, job), job.units),
         claims_(options.output.string() + ".partial") {}
 
   // @throws what a worker threw, Interrupted.
@@ -159,7 +159,7 @@ class Service {
 
   void say_cheap(std::size_t group) {
     publish({.quality = AnswerQuality::kCheap,
-             .node = cheap_answers(scene_, job_, board_.group(group))},
+             .node = preliminary_answers(scene_, job_, board_.group(group))},
             "preliminary answers");
     board_.finish_group(group);
   }
@@ -232,7 +232,7 @@ class Service {
     }
   }
 
-  // Made when the first unit is solved: cheap answers do not wait for it.
+  // Made when the first unit is solved: preliminary answers do not wait for it.
   const SceneSolver& solver() {
     std::call_once(solver_made_, [&] {
       Progress quiet(nullptr);
@@ -246,7 +246,7 @@ class Service {
     return *solver_;
   }
 
-  // Good presses of a unit that is still under way.
+  // Full presses of a unit that is still under way.
   void say_early(const SharedTool& tool, std::span<const PressedNode> nodes) {
     ServedResponses responses{.quality = AnswerQuality::kGood, .node = {}};
     for (const PressedNode& node : nodes) {

@@ -7,12 +7,12 @@
 namespace palpate {
 namespace {
 
-// What a hand can reach while a cheap group is computed.
+// What a hand can reach while a preliminary group is computed.
 constexpr double kAroundM = 0.02;
 
 }  // namespace
 
-WorkBoard::WorkBoard(const Points& position_m, std::vector<CheapGroup> groups,
+WorkBoard::WorkBoard(const Points& position_m, std::vector<PreliminaryGroup> groups,
                      std::span<const WorkUnit> units)
     : position_m_(position_m),
       groups_(std::move(groups)),

@@ -15,10 +15,10 @@
 
 namespace palpate {
 
-/// Vertices whose cheap answers are computed together, for every tool.
-using CheapGroup = std::vector<std::int32_t>;
+/// Vertices whose preliminary answers are computed together, for every tool.
+using PreliminaryGroup = std::vector<std::int32_t>;
 
-/// Either a group that wants cheap answers, or a unit of work.
+/// Either a group that wants preliminary answers, or a unit of work.
 struct NextWork {
   std::optional<std::size_t> group;
   std::optional<std::size_t> unit;  ///< place among the units
@@ -28,14 +28,14 @@ struct NextWork {
 class WorkBoard {
  public:
   /// Places of a body's vertices; all must outlive the board.
-  WorkBoard(const Points& position_m, std::vector<CheapGroup> groups,
+  WorkBoard(const Points& position_m, std::vector<PreliminaryGroup> groups,
             std::span<const WorkUnit> units);
 
-  /// While a hand moves, all workers give cheap answers, along its way first; a unit
-  /// keeps a worker for long. Where all hands rest, and what is around them is answered
-  /// cheaply, one worker goes on with that and others take units, the nearest first.
-  /// Without hands, and once no groups are left, units alone are taken. Checks come
-  /// last.
+  /// While a hand moves, all workers give preliminary answers, along its way first; a
+  /// unit keeps a worker for long. Where all hands rest, and what is around them is
+  /// answered cheaply, one worker goes on with that and others take units, the nearest
+  /// first. Without hands, and once no groups are left, units alone are taken. Checks
+  /// come last.
   /// @param may_take whether this process may compute the unit; asked in the order of
   /// need, for units that nobody works on. @returns neither if there is nothing to
   /// take.
@@ -47,7 +47,9 @@ class WorkBoard {
   /// Also one that another process has solved. Groups that it answers whole are done.
   void finish_unit(std::size_t unit);
 
-  [[nodiscard]] const CheapGroup& group(std::size_t i) const { return groups_[i]; }
+  [[nodiscard]] const PreliminaryGroup& group(std::size_t i) const {
+    return groups_[i];
+  }
   [[nodiscard]] std::vector<std::size_t> open_units() const;  ///< nobody's here
   [[nodiscard]] std::size_t unfinished() const;               ///< units
 
@@ -65,7 +67,7 @@ class WorkBoard {
                                        bool expected) const;
 
   const Points& position_m_;
-  std::vector<CheapGroup> groups_;
+  std::vector<PreliminaryGroup> groups_;
   std::span<const WorkUnit> units_;
   mutable std::mutex mutex_;
   std::vector<State> group_state_;

@@ -111,12 +111,12 @@ int run(const std::string& file, std::size_t count, double finest) {
       });
     };
     add("shared", [&] {
-      return solver.cheap(body.tool[0], {&vertex, 1}).front();
+      return solver.linear(body.tool[0], {&vertex, 1}).front();
     });
     for (const double times :
          {0.5, 1.0, kNonlinearCheckTimesFiner, kLinearCheckTimesFiner, finest}) {
       add(fmt::format("own x{:g}", times), [&] {
-        return solver.better(body.tool[0], vertex, {}, times);
+        return solver.reference(body.tool[0], vertex, {}, times);
       });
     }
     const Indentation& reference = rows.back().node.indentation;

@@ -31,7 +31,7 @@ class ServedPlate : public testing::Test {
     return {.socket = socket_, .silent = milliseconds(300), .again = milliseconds(60)};
   }
 
-  // Scene, cheap answers; then it listens.
+  // Scene, preliminary answers; then it listens.
   FakeService::Script plain(FakeService*& service) {
     return [&](ServiceConnection& to, const GoesOn& goes_on) {
       (void)to.send(served_scene(database_), milliseconds(1000));

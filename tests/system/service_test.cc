@@ -149,7 +149,7 @@ TEST_F(ServiceTest, AnswersAllAndLeavesTheBytesOfABuild) {
     EXPECT_TRUE(std::equal(stored.force_n.begin(), stored.force_n.end(),
                            good.force_n.begin(), good.force_n.end()))
         << v;
-    // Cheap answers are the same press on a mesh that is half as fine.
+    // Preliminary answers are the same press on a mesh that is half as fine.
     if (heard.cheap.contains(v)) {
       const NodeResponse& cheap = heard.cheap.at(v).response;
       EXPECT_NEAR(cheap.force_n.back(), good.force_n.back(), 0.3 * good.force_n.back())

@@ -101,9 +101,9 @@ TEST(ServiceMessage, ResponsesComeThroughWhole) {
 }
 
 TEST(ServiceMessage, OthersComeThroughWhole) {
-  const auto progress = through_the_wire(
-      ServedProgress{.stage = "cheap answers", .nodes = 9, .cheap = 5, .good = 2});
-  EXPECT_EQ(progress.stage, "cheap answers");
+  const auto progress = through_the_wire(ServedProgress{
+      .stage = "preliminary answers", .nodes = 9, .cheap = 5, .good = 2});
+  EXPECT_EQ(progress.stage, "preliminary answers");
   EXPECT_EQ(progress.nodes, 9);
   EXPECT_EQ(progress.cheap, 5);
   EXPECT_EQ(progress.good, 2);

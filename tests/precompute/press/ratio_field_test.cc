@@ -24,8 +24,8 @@ Indentation straight_path(double k_n_per_m) {
   return path;
 }
 
-RatioField::Place place(std::int32_t vertex, const Indentation& cheap) {
-  return RatioField::place_of(vertex, cheap);
+RatioField::Place place(std::int32_t vertex, const Indentation& linear) {
+  return RatioField::place_of(vertex, linear);
 }
 
 // Four vertices: two on a flat top, 1 mm apart, one on the side around the edge, one on
@@ -130,8 +130,8 @@ TEST_F(RatioFields, ExpectErrorsNearPressesThatAreNotAlike) {
   EXPECT_DOUBLE_EQ(ratios.left_out_errors()[2], 1.0);
 }
 
-// A rim of 36 vertices that face aside and up. Cheap forces lean outward by little,
-// good ones by much more, the more the deeper.
+// A rim of 36 vertices that face aside and up. Linear forces lean outward by little,
+// full ones by much more, the more the deeper.
 class Rim : public testing::Test {
  protected:
   static constexpr std::int32_t kVertices = 36;
@@ -170,14 +170,14 @@ class Rim : public testing::Test {
   [[nodiscard]] double largest_angle(double cheap_lean, double good_lean) const {
     RatioField field(body_, normal_, 0.002);
     for (std::int32_t v = 0; v < kVertices; v += 6) {
-      const Indentation cheap = press(v, 100.0, cheap_lean);
-      field.add(v, cheap, path_ratio(press(v, 90.0, good_lean, 0.01), cheap));
+      const Indentation linear = press(v, 100.0, cheap_lean);
+      field.add(v, linear, path_ratio(press(v, 90.0, good_lean, 0.01), linear));
     }
     const RatioModel ratios(field);
     double largest = 0.0;
     for (std::int32_t v = 0; v < kVertices; ++v) {
-      const Indentation cheap = press(v, 100.0, cheap_lean);
-      const Indentation told = scaled(cheap, ratios.at(v, cheap), kAnyForce);
+      const Indentation linear = press(v, 100.0, cheap_lean);
+      const Indentation told = scaled(linear, ratios.at(v, linear), kAnyForce);
       const Indentation good = press(v, 90.0, good_lean, 0.01);
       for (std::size_t k = 1; k < good.sample.size(); ++k) {
         largest = std::max(largest, (told.sample[k].force_n.normalized() -
@@ -200,8 +200,9 @@ TEST_F(Rim, TurnsOfForcesFollowTheFrameOfTheVertex) {
 TEST_F(Rim, LeftOutErrorsCountTheTurn) {
   RatioField field(body_, normal_, 0.002);
   for (const std::int32_t v : {0, 6, 12, 18}) {
-    const Indentation cheap = press(v, 100.0, kCheapLean);
-    field.add(v, cheap, path_ratio(press(v, 100.0, v == 6 ? 0.35 : kCheapLean), cheap));
+    const Indentation linear = press(v, 100.0, kCheapLean);
+    field.add(v, linear,
+              path_ratio(press(v, 100.0, v == 6 ? 0.35 : kCheapLean), linear));
   }
   const RatioModel ratios(field);
   // All of the error is the turn of 0.3 rad that nobody else has.
@@ -210,7 +211,7 @@ TEST_F(Rim, LeftOutErrorsCountTheTurn) {
   EXPECT_GT(ratios.error_at(7, press(7, 100.0, kCheapLean)), 0.05);
 }
 
-// Where a cheap force does not lean, its frame has no way along the surface, and no
+// Where a linear force does not lean, its frame has no way along the surface, and no
 // turn either; around such a place it is continuous.
 TEST_F(Rim, FramesAreContinuousWhereNothingLeans) {
   const RatioField field(body_, normal_, 0.002);
@@ -254,11 +255,11 @@ class Sheet : public testing::Test {
   };
   [[nodiscard]] Found every_fifth(double wave) const {
     RatioField field(body_, normal_, kContact);
-    const Indentation cheap = straight_path(100.0);
+    const Indentation linear = straight_path(100.0);
     for (std::int32_t v = 0; v < kSide * kSide; v += 5) {
-      field.add(v + (v / kSide) % 5, cheap,
+      field.add(v + (v / kSide) % 5, linear,
                 path_ratio(straight_path(100.0 * ratio_at(v + (v / kSide) % 5, wave)),
-                           cheap));
+                           linear));
     }
     const RatioModel ratios(field);
     Found found;
@@ -270,9 +271,9 @@ class Sheet : public testing::Test {
                                         });
       if (!is_known) {
         const double error =
-            std::abs(ratios.at(v, cheap).force[9] / ratio_at(v, wave) - 1.0);
+            std::abs(ratios.at(v, linear).force[9] / ratio_at(v, wave) - 1.0);
         found.rms += error * error;
-        found.covered += error <= ratios.error_at(v, cheap) ? 1.0 : 0.0;
+        found.covered += error <= ratios.error_at(v, linear) ? 1.0 : 0.0;
         ++unknown;
       }
     }

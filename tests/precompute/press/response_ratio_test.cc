@@ -1,4 +1,4 @@
-// Ratios of good and cheap presses: what they reproduce, and between which vertices.
+// Ratios of good and linear presses: what they reproduce, and between which vertices.
 #include "precompute/press/response_ratio.h"
 
 #include <array>
@@ -27,10 +27,10 @@ Indentation path(double k_n_per_m, double turn_per_m = 0.0, double depth_m = 0.0
 
 TEST(PathRatio, MakesTheGoodPathOutOfTheCheapOne) {
   const Indentation good = path(130.0, 20.0);
-  const Indentation cheap = path(100.0);
-  const auto ratio = path_ratio(good, cheap);
+  const Indentation linear = path(100.0);
+  const auto ratio = path_ratio(good, linear);
   ASSERT_TRUE(ratio);
-  const Indentation made = scaled(cheap, *ratio, kInfinity);
+  const Indentation made = scaled(linear, *ratio, kInfinity);
   ASSERT_EQ(made.sample.size(), good.sample.size());
   for (std::size_t k = 0; k < good.sample.size(); ++k) {
     EXPECT_LT((made.sample[k].force_n - good.sample[k].force_n).norm(), 1e-12);
@@ -39,7 +39,7 @@ TEST(PathRatio, MakesTheGoodPathOutOfTheCheapOne) {
 }
 
 TEST(PathRatio, CarriesOverToAnotherMeshOfTheSameVertex) {
-  // A coarse mesh makes both presses 7 % too stiff; the fine cheap one is right.
+  // A coarse mesh makes both presses 7 % too stiff; the fine linear one is right.
   const auto ratio = path_ratio(path(1.07 * 130.0, 20.0), path(1.07 * 100.0));
   ASSERT_TRUE(ratio);
   const Indentation made = scaled(path(100.0), *ratio, kInfinity);
@@ -58,17 +58,17 @@ TEST(PathRatio, EndsWhereTheForcePassesTheLargest) {
   EXPECT_FALSE(made.ends_early);
 }
 
-// A cheap press that ended at its own largest force says nothing beyond.
+// A linear press that ended at its own largest force says nothing beyond.
 TEST(PathRatio, SaysThatItEndsWhereTheCheapPathWasCapped) {
   const auto ratio = path_ratio(path(50.0), path(100.0));
   ASSERT_TRUE(ratio);
-  Indentation cheap = path(100.0);
-  EXPECT_FALSE(scaled(cheap, *ratio, 10.0).ends_early);
-  cheap.force_capped = true;
-  const Indentation made = scaled(cheap, *ratio, 10.0);
+  Indentation linear = path(100.0);
+  EXPECT_FALSE(scaled(linear, *ratio, 10.0).ends_early);
+  linear.force_capped = true;
+  const Indentation made = scaled(linear, *ratio, 10.0);
   EXPECT_TRUE(made.ends_early);
   EXPECT_FALSE(made.force_capped);
-  EXPECT_FALSE(scaled(cheap, *ratio, 0.3).ends_early);
+  EXPECT_FALSE(scaled(linear, *ratio, 0.3).ends_early);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ Answers answers_of(const std::string& scene_text) {
   Progress progress(nullptr);
   const SceneSolver solver(scene, body, strategy, vertices, vertices, progress);
   Territory territory(scene, body, solver, body.tool.front(), vertices);
-  territory.press_cheap();
+  territory.solve_linear();
   territory.solve_within_budget();
   territory.answer(0, answers.nodes);
   return answers;

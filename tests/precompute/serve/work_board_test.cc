@@ -55,7 +55,7 @@ class WorkBoardTest : public testing::Test {
   WorkBoard board() const { return {place_m_, groups_, units_}; }
 
   Points place_m_;
-  std::vector<CheapGroup> groups_;
+  std::vector<PreliminaryGroup> groups_;
   std::vector<WorkUnit> units_{{.index = 0, .vertex = {0, 1, 2, 3, 4}},
                                {.index = 1, .vertex = {5, 6, 7, 8, 9}},
                                {.index = 2, .is_check = true, .vertex = {9}}};

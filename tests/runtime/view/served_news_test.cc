@@ -58,8 +58,9 @@ class ServedPage : public testing::Test {
     }
     (void)to.send(served_responses(database_, AnswerQuality::kCheap),
                   milliseconds(1000));
-    (void)to.send(ServedProgress{.stage = "cheap answers", .nodes = 121, .cheap = 121},
-                  milliseconds(1000));
+    (void)to.send(
+        ServedProgress{.stage = "preliminary answers", .nodes = 121, .cheap = 121},
+        milliseconds(1000));
     while (goes_on()) {
       std::this_thread::sleep_for(milliseconds(5));
     }

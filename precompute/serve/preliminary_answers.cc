@@ -1,4 +1,4 @@
-#include "precompute/serve/cheap_answers.h"
+#include "precompute/serve/preliminary_answers.h"
 
 #include <algorithm>
 
@@ -11,11 +11,12 @@
 namespace palpate {
 namespace {
 
-constexpr PressMode kCheap{.recipe = {.times_finer = 1.0 / kCheapTimesCoarser}};
+constexpr PressMode kCheap{.recipe = {.times_finer = 1.0 / kPreliminaryTimesCoarser}};
 
 }  // namespace
 
-std::vector<CheapGroup> cheap_groups(const Scene& scene, const BuildJob& job) {
+std::vector<PreliminaryGroup> preliminary_groups(const Scene& scene,
+                                                 const BuildJob& job) {
   if (scene.cutout) {
     return {};
   }
@@ -35,17 +36,17 @@ WorkUnitNode answer_of(const Scene& scene, const BuildJob& job, const SharedTool
   return answer;
 }
 
-std::vector<WorkUnitNode> cheap_answers(const Scene& scene, const BuildJob& job,
-                                        std::span<const std::int32_t> vertices) {
+std::vector<WorkUnitNode> preliminary_answers(const Scene& scene, const BuildJob& job,
+                                              std::span<const std::int32_t> vertices) {
   std::vector<WorkUnitNode> answers;
   for (const SharedTool& tool : job.body.tool) {
     try {
-      (void)failure_of("a cheap press", [&] {
+      (void)failure_of("a linear press", [&] {
         for (const PressedNode& node : press_on_own_mesh(
                  scene, job.body, tool, vertices, job.strategy.focus, kCheap)) {
           answers.push_back(answer_of(scene, job, tool, node));
           double& error = answers.back().response.error_relative;
-          error = job.strategy.nonlinear ? 1.0 : kCheapErrorFactor * error;
+          error = job.strategy.nonlinear ? 1.0 : kPreliminaryErrorFactor * error;
         }
       });
     } catch (const ResourceError&) {

@@ -12,23 +12,23 @@
 namespace palpate {
 
 /// Elements over the contact are so many times larger than those of good answers.
-inline constexpr double kCheapTimesCoarser = 2.0;
+inline constexpr double kPreliminaryTimesCoarser = 2.0;
 
-/// What estimates of cheap answers are multiplied by, chosen on a human liver so that
-/// the difference to good answers is within what is stated at 95 % of nodes or more
-/// (tests/bench/MEASURED.md).
-inline constexpr double kCheapErrorFactor = 3.0;
+/// What estimates of preliminary answers are multiplied by, chosen on a human liver so
+/// that the difference to good answers is within what is stated at 95 % of nodes or
+/// more (tests/bench/MEASURED.md).
+inline constexpr double kPreliminaryErrorFactor = 3.0;
 
 /// Neighbours that share a mesh, together all reachable vertices; none where parts are
 /// cut out ([cutout]): its good answers are as quick.
-[[nodiscard]] std::vector<CheapGroup> cheap_groups(const Scene& scene,
-                                                   const BuildJob& job);
+[[nodiscard]] std::vector<PreliminaryGroup> preliminary_groups(const Scene& scene,
+                                                               const BuildJob& job);
 
 /// Linear presses of all tools at the vertices, on one mesh made for them. Responses'
-/// error_relative is kCheapErrorFactor times their estimate, or 1 where good answers
-/// are nonlinear: how far a linear press is from those is not known. A vertex that
-/// fails has no response.
-[[nodiscard]] std::vector<WorkUnitNode> cheap_answers(
+/// error_relative is kPreliminaryErrorFactor times their estimate, or 1 where good
+/// answers are nonlinear: how far a linear press is from those is not known. A vertex
+/// that fails has no response.
+[[nodiscard]] std::vector<WorkUnitNode> preliminary_answers(
     const Scene& scene, const BuildJob& job, std::span<const std::int32_t> vertices);
 
 /// A pressed node as answers give it: with its estimate of error.

@@ -1,5 +1,5 @@
-// How far cheap answers of a service are from its good ones, and what they cost.
-//   cheap_answers_study SCENE.toml [GROUPS, default 40]
+// How far preliminary answers of a service are from its good ones, and what they cost.
+//   preliminary_answers_study SCENE.toml [GROUPS, default 40]
 // So many groups of the scene's nodes, spread over the body, are answered cheaply and
 // pressed well (linear scenes). Prints for each way CPU seconds a node, and for cheap
 // ones the difference of force, and the share of nodes where it is within what is
@@ -13,7 +13,7 @@
 
 #include "formats/base/quantile.h"
 #include "precompute/press/own_mesh_press.h"
-#include "precompute/serve/cheap_answers.h"
+#include "precompute/serve/preliminary_answers.h"
 
 namespace palpate {
 namespace {
@@ -23,9 +23,9 @@ double cpu_s() {
 }
 
 // The groups at equal distances in their order, which is that of the surface.
-std::vector<CheapGroup> spread(const std::vector<CheapGroup>& groups,
-                               std::size_t count) {
-  std::vector<CheapGroup> some;
+std::vector<PreliminaryGroup> spread(const std::vector<PreliminaryGroup>& groups,
+                                     std::size_t count) {
+  std::vector<PreliminaryGroup> some;
   for (std::size_t i = 0; i < std::min(count, groups.size()); ++i) {
     some.push_back(groups[i * groups.size() / std::min(count, groups.size())]);
   }
@@ -41,11 +41,11 @@ void study(const Scene& scene, std::size_t count) {
   std::vector<double> stated;
   std::int64_t within = 0;
   std::int64_t nodes = 0;
-  for (const CheapGroup& group : spread(cheap_groups(scene, job), count)) {
+  for (const PreliminaryGroup& group : spread(preliminary_groups(scene, job), count)) {
     nodes += std::ssize(group);
     double began = cpu_s();
     std::map<std::int32_t, NodeResponse> cheap;
-    for (const WorkUnitNode& node : cheap_answers(scene, job, group)) {
+    for (const WorkUnitNode& node : preliminary_answers(scene, job, group)) {
       if (node.tool == 0 && !node.response.depth_m.empty()) {
         cheap[node.vertex] = node.response;
       }
@@ -84,7 +84,7 @@ void study(const Scene& scene, std::size_t count) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: cheap_answers_study SCENE.toml [GROUPS]\n");
+    fmt::print(stderr, "usage: preliminary_answers_study SCENE.toml [GROUPS]\n");
     return 2;
   }
   palpate::study(palpate::read_scene(argv[1]),
