@@ -145,8 +145,9 @@ bool keeps_mesh(Reason reason) {
 }
 
 std::optional<Attempt> next(std::span<const Attempt> tried, const PressPolicy& policy) {
-  if (policy.nonlinear) {
-    const std::span<const Attempt> here = on_last_mesh(tried);
+  const std::span<const Attempt> here = on_last_mesh(tried);
+  // A mesh that was not taken is left.
+  if (policy.nonlinear && here[last_taken(here)].taken) {
     if (auto wider = wider_near_field(here, policy)) {
       return wider;
     }

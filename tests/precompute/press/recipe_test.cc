@@ -142,6 +142,20 @@ TEST(Recipe, ACoarserMeshHasItsOwnNearField) {
   EXPECT_TRUE(is_alone(tried));
 }
 
+TEST(Recipe, AMeshThatWasNotTakenIsLeft) {
+  Outcome late = kGood;
+  late.late = true;
+  Outcome unsure = kGood;
+  unsure.between_error = 0.1;
+  unsure.samples = 1;
+  const std::vector<Attempt> tried{{.outcome = late},
+                                   {.recipe = {.times_finer = 2.0},
+                                    .reason = Reason::kTouchesLate,
+                                    .outcome = unsure,
+                                    .taken = false}};
+  EXPECT_FALSE(next(tried, kPolicy));
+}
+
 TEST(Recipe, AMeshThatWasMadeCoarserDoesNotMoveTheOthers) {
   PressPolicy policy = kPolicy;
   policy.first.times_finer = 2.0;
