@@ -152,11 +152,16 @@ std::string describe_depths(const AccuracyRecord& accuracy) {
 }
 
 std::string describe(const AccuracyRecord& accuracy) {
-  if (accuracy.error_factor == 0.0) {
+  const bool any_hard = accuracy.hard_error_factor > 0.0;
+  const bool all_hard = any_hard && accuracy.error_factor == 0.0;
+  if (accuracy.error_factor == 0.0 && !any_hard) {
     return {};
   }
-  std::string factor = fmt::format("{:.2g} times estimates", accuracy.error_factor);
-  if (accuracy.hard_error_factor > 0.0) {
+  std::string factor =
+      all_hard ? fmt::format("{:.2g} times estimates, as every path was hard to follow",
+                             accuracy.hard_error_factor)
+               : fmt::format("{:.2g} times estimates", accuracy.error_factor);
+  if (any_hard && !all_hard) {
     factor += fmt::format(", {:.2g} times where the path was hard to follow",
                           accuracy.hard_error_factor);
   }
@@ -167,12 +172,12 @@ std::string describe(const AccuracyRecord& accuracy) {
   }
   const char* const places = accuracy.between_nodes > 0 ? "places" : "nodes";
   const auto n = static_cast<std::size_t>(accuracy.verified);
-  const double covered =
-      accuracy.covered > 0.0 ? accuracy.covered : covered_share(n, n);
+  const double stated = all_hard ? accuracy.hard_covered : accuracy.covered;
+  const double covered = stated > 0.0 ? stated : covered_share(n, n);
   std::string text = fmt::format(
       "hold at {:.0f} % of {}{}: {}, by {} {} that were solved again, better",
       100.0 * covered, places,
-      accuracy.hard_covered > 0.0
+      accuracy.hard_covered > 0.0 && !all_hard
           ? fmt::format(", {:.0f} % where the path was hard to follow",
                         100.0 * accuracy.hard_covered)
           : "",

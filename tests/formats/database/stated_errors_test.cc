@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/database/database_summary.h"
+
 namespace palpate {
 namespace {
 
@@ -109,6 +111,26 @@ TEST_F(StateErrors, HaveNoFactorOfAKindThatIsNotThere) {
   const ErrorFactors factor = state({});
   EXPECT_EQ(factor.hard.factor, 0.0);
   EXPECT_EQ(factor.easy.factor, kLeastErrorFactor);
+}
+
+TEST(DescribedErrors, SayWhatHoldsWhereEveryPathWasHard) {
+  AccuracyRecord record{.budget_relative = 0.05,
+                        .hard_error_factor = 13.4,
+                        .hard_covered = 0.95,
+                        .verified = 19,
+                        .between_nodes = 19,
+                        .quantile_level = {},
+                        .error_relative = {}};
+  EXPECT_EQ(describe(record),
+            "hold at 95 % of places: 13 times estimates, as every path was hard to "
+            "follow, by 19 places that were solved again, better");
+  record.error_factor = 1.5;
+  record.covered = 0.9;
+  EXPECT_EQ(describe(record),
+            "hold at 90 % of places, 95 % where the path was hard to follow: 1.5 times "
+            "estimates, 13 times where the path was hard to follow, by 19 places that "
+            "were solved again, better");
+  EXPECT_EQ(describe(AccuracyRecord{}), "");
 }
 
 }  // namespace

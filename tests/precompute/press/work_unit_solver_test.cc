@@ -151,11 +151,11 @@ TEST_F(Checks, PressThePlaceAsAVertexThere) {
   const auto added = static_cast<std::int32_t>(body_.surface.position_m.rows());
   const SceneSolver other(scene_, more, strategy, {&added, 1}, {&added, 1}, quiet);
   const PressedNode there =
-      other.better(more.tool.front(), added, {}, kLinearCheckTimesFiner);
+      other.reference(more.tool.front(), added, {}, kLinearCheckTimesFiner);
   EXPECT_EQ(there.indentation.sample.back().force_n.norm(),
             solver
-                .better(body_.tool.front(), check.vertex.front(), check.place,
-                        kLinearCheckTimesFiner)
+                .reference(body_.tool.front(), check.vertex.front(), check.place,
+                           kLinearCheckTimesFiner)
                 .indentation.sample.back()
                 .force_n.norm());
 }
