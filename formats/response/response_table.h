@@ -131,7 +131,7 @@ struct ResponseTable {
   std::vector<std::int32_t> history;        ///< (n) row of history_text; -1: none
   /// One line each: what a node's solve tried after its first recipe, with reasons.
   std::vector<std::string> history_text;
-  std::vector<double> force_errors_n;       ///< (s) [N] standard uncertainty of force
+  std::vector<double> force_errors_n;  ///< (s) [N] standard uncertainty of force
   /// (n + 1) Node i owns rows [begin[i], begin[i+1]) of sample_direction, none or one
   /// per sample.
   std::vector<std::int64_t> direction_begin;
