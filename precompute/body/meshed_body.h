@@ -35,7 +35,7 @@ struct BodyModel {
   /// K over the free unknowns, lower triangle; only where asked for, else empty.
   Stiffness stiffness;
   double contact_spacing_m = 0.0;  ///< [m] of contact nodes where a contact ends
-  double times_finer = 1.0;  ///< [-] than asked for, around what it was made for
+  double times_finer = 1.0;        ///< [-] than asked for, around what it was made for
   double min_dihedral_deg = 0.0;   ///< [deg] of the tets
 };
 

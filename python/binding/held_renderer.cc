@@ -66,8 +66,9 @@ std::string HeldRenderer::why_faulted(std::uint8_t fault) const {
   if (const SlowFailure failure = body_->slow_failure(); failure.exit_code != 0) {
     return why + ", because of " + failure.text;
   }
-  return why + ", no element came: slow_step() about 100 times a second, or start(), with "
-               "steps no faster than real time";
+  return why +
+         ", no element came: slow_step() about 100 times a second, or start(), with "
+         "steps no faster than real time";
 }
 
 const HostTick& HeldRenderer::step(std::span<const HostSample> samples) {

@@ -50,9 +50,12 @@ class SceneWhileComputed : public testing::Test {
 
   [[nodiscard]] std::vector<std::string> simulate(
       const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"simulate", (folder_ / "scene.toml").string(),
-                                      "-o",       (folder_ / "out.h5").string(),
-                                      "--wander-mm-per-s", "50",
+    std::vector<std::string> words = {"simulate",
+                                      (folder_ / "scene.toml").string(),
+                                      "-o",
+                                      (folder_ / "out.h5").string(),
+                                      "--wander-mm-per-s",
+                                      "50",
                                       "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
