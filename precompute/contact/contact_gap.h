@@ -16,23 +16,24 @@ struct Gap {
   Eigen::Vector3d by_tool;  ///< [-] d(distance)/d(reference)
 };
 
-/// (press . n) times the height t of the tool's near side above the point, seen along
-/// `press`: to first order in the gap this is the distance along the normal n, and its
-/// derivative with the tool's position is n where the tool touches. With D the distance
-/// to the tool, n_D its gradient and c = steepest_cosine():
+/// The gap is (press . n) times the height t of the tool's near side above the point,
+/// seen along `press`. To first order, the gap is the distance along the normal n. Its
+/// derivative with the tool's position is n where the tool touches. D is the distance
+/// to the tool, n_D the gradient of D, c = steepest_cosine():
 ///
 ///     D(p + t press) = 0, the lower root, where -n_D . press >= c there, else
-///     t = min over tau of tau + D(p + tau press) / c,
+///     t = min over tau of tau + D(p + tau press) / c.
 ///
-/// which goes on with the slope of the steepest part that counts, so that the height is
-/// convex and C1 everywhere and walls do not enter. Both cases: dt/d(reference) =
-/// n_D / (n_D . press). For a sphere t = -b - sqrt(R^2 - s^2), b = press . r,
-/// r = p - centre, s = |r - b press|, straight beyond s = 0.95 R. Zero where the
-/// surface faces away.
+/// The second case goes on with the slope of the steepest part that counts. So the
+/// height is convex and C1 everywhere, and walls do not enter. In both cases
+/// dt/d(reference) = n_D / (n_D . press). For a sphere t = -b - sqrt(R^2 - s^2),
+/// straight beyond s = 0.95 R. There r = p - centre, b = press . r, s = |r - b press|.
+/// The gap is zero where the surface faces away.
 ///
-/// No point meets the tool before it has moved by D: outside the tool the gap is D
-/// where that is larger. It is on steep walls far below the tool, whose height counts
-/// little along their normals; nowhere on a surface across the press (D <= t).
+/// No point meets the tool before the point has moved by D. Outside the tool the gap is
+/// therefore D where D is larger. D is larger on steep walls far below the tool, whose
+/// height counts little along their normals. D is never larger on a surface across the
+/// press (D <= t).
 [[nodiscard]] Gap tool_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
                            const PlacedTool& tool);
 
@@ -40,8 +41,9 @@ struct Gap {
 [[nodiscard]] Gap average_gap(const ContactNode& node, const PlacedTool& tool);
 
 /// Largest distance [m] from the line through the reference along `press` at which the
-/// tool's near side stands at most height_m above its lowest point; of a sphere at most
-/// R. NaN where the tool is not placed.
+/// tool's near side still counts. The near side counts up to height_m above the tool's
+/// lowest point; for a sphere the distance is at most R. NaN where the tool is not
+/// placed.
 [[nodiscard]] double shadow_radius_m(const PlacedTool& tool, double height_m);
 
 }  // namespace palpate

@@ -7,11 +7,11 @@
 // pressure force p_v = <lambda_v - k_v g_v>, <x> = max(x, 0) (Rockafellar 1974; Simo
 // and Laursen 1992). Where lambda = p, g.p = 0 and g >= 0 hold exactly.
 //
-// An averaged gap does not see a surface that folds into the tool within a hat, and a
-// sharp edge under a tool saves energy by that. Springs at the points stand against it
-// where they are asked for: sum_q (k_q/2) <-phi(x_q + u(x_q))>^2, k_q a share of
-// sum_v omega_vq k_v. What they store is not the body's energy: they are for paths that
-// are hard to follow without.
+// An averaged gap does not see a surface that folds into the tool within a hat. A sharp
+// edge under a tool saves energy by such a fold. On request, springs at the points
+// resist the fold: sum_q (k_q/2) <-phi(x_q + u(x_q))>^2, k_q a share of sum_v omega_vq
+// k_v. The energy that these springs store is not the body's energy. The springs are
+// for paths that are hard to follow without springs.
 #pragma once
 
 #include <array>
@@ -50,9 +50,10 @@ struct ContactState {
   Eigen::MatrixX3d tie_n;      ///< (n_patch x 3) forces of ties
 };
 
-/// How far springs that carry what the multipliers lack give way [m], along normals
-/// and, where nodes are tied, across them: the mean weighted by forces, as a share of
-/// the whole pressure. A tool so much higher or lower would be felt alike.
+/// Deflection [m] of the springs that carry what the multipliers lack. Springs act
+/// along normals and, where nodes are tied, across the normals too. The deflection is
+/// the mean weighted by forces, as a share of the whole pressure. A tool that much
+/// higher or lower would feel the same force.
 [[nodiscard]] double spring_give_m(const ContactState& contact,
                                    const Multipliers& multipliers);
 

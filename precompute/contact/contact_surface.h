@@ -2,12 +2,12 @@
 // loads, and where its distance to a tool (contact_gap.h) is averaged.
 //
 // Pressure is piecewise linear and continuous on the four sub-triangles of every
-// quadratic face, with one value per surface node (corner or edge middle): hat
-// functions psi_v. The gap is averaged with the same hats, so that the condition
-// "average gap >= 0, pressure
-// >= 0, one of them zero" is the stationarity of an energy (mortar method; compare
-// Wohlmuth, Acta Numerica 2011, section 3): compliance is symmetric, and the force on
-// the tool is the derivative of the stored energy with the tool's position.
+// quadratic face. Pressure has one value per surface node (corner or edge middle): hat
+// functions psi_v. The gap is averaged with the same hats. So the condition "average
+// gap >= 0, pressure >= 0, one of them zero" is the stationarity of an energy. This is
+// the mortar method (compare Wohlmuth, Acta Numerica 2011, section 3). Compliance is
+// symmetric, and the force on the tool is the derivative of the stored energy with the
+// tool's position.
 #pragma once
 
 #include <cstddef>

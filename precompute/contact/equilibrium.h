@@ -1,11 +1,11 @@
 // Where a nonlinear body comes to rest against a rigid tool that does not move.
 //
-// Minimises the total potential W(u) + Psi(u) by Newton's method: conjugate gradients
-// on the true tangent, preconditioned by the body's rest factor and by what the steps
-// before have learnt of tangents (Morales and Nocedal 2000), and truncated (Steihaug
-// 1983), then a line search on the energy itself (Armijo) that keeps elements away from
-// turning inside out. Multipliers of the contact are updated until they carry the whole
-// pressure.
+// Newton's method minimises the total potential W(u) + Psi(u). Each step solves the
+// true tangent by truncated conjugate gradients (Steihaug 1983). The preconditioner is
+// the body's rest factor, with what the steps before have learnt of tangents (Morales
+// and Nocedal 2000). A line search on the energy itself (Armijo) then keeps elements
+// from turning inside out. Multipliers of the contact are updated until the multipliers
+// carry the whole pressure.
 #pragma once
 
 #include <deque>
@@ -28,8 +28,8 @@ struct EquilibriumOptions {
   double update_relative = 1e-2;
   /// [-] Multipliers end when they differ from the pressures by this share of the sum.
   double multiplier_relative = 0.03;
-  /// [-] Newton goes on while the forces out of balance sum up to more than this share
-  /// of the contact's: promised energy is only as good as the gradients behind it.
+  /// [-] Newton goes on while the sum of the unbalanced forces is above this share of
+  /// the contact's forces. Promised energy is only as good as the gradients behind it.
   double imbalance_relative = 0.02;
   /// Updates of the multipliers; what they lack after these, the springs carry.
   int lagrange_max = std::numeric_limits<int>::max();

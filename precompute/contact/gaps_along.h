@@ -23,9 +23,9 @@ struct Gaps {
                            std::span<const std::int32_t> patch,
                            const IndentationPath& path, double penetration_m);
 
-/// The same at any penetration, without most of the work. Gaps are convex in the
-/// penetration, and nearly always linear (contact_gap.h): where they have one slope at
-/// both ends of the path they are linear all along it.
+/// Gaps at any penetration, without most of the work of gaps_at(). Gaps are convex in
+/// the penetration, and nearly always linear (contact_gap.h). A gap with the same slope
+/// at both ends of the path is linear all along the path.
 class GapsAlong {
  public:
   /// All must outlive it. @param first_m penetration where the path begins.

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-/// A place on the surface that is held, and the normal of a face at it: at an edge or
-/// corner there is one for each face, held or free.
+/// A held place on the surface, with the normal of a face at the place. An edge or
+/// corner has one such point for each of its faces, held or free.
 struct HeldPoint {
   Eigen::Vector3d position_m;
   Eigen::Vector3d normal;  ///< [-] outward, unit
@@ -24,10 +24,10 @@ struct HeldPoint {
     const SurfaceMesh& surface,
     const std::function<bool(const Eigen::Vector3d& p_m)>& is_held);
 
-/// Penetration at which the path must end: no force makes way for the tool where it
-/// meets a held point that faces it (tool's normal . point's normal < 0). An overlap of
-/// a fiftieth of the largest depth is let pass, and a tenth of that depth is always
-/// left: closer to a support than that, responses are those of a body whose hold gives.
+/// Penetration at which the path must end: no force displaces a held point. A held
+/// point counts if it faces the tool (tool's normal . point's normal < 0). An overlap
+/// of a fiftieth of the largest depth is permitted, and a tenth of the largest depth is
+/// always left. Closer to a support, responses are those of a body whose hold deforms.
 /// @return depth_max_m of the path where nothing is in the way [m].
 [[nodiscard]] double depth_until_held_m(std::span<const HeldPoint> held,
                                         const IndentationPath& path);

@@ -17,26 +17,31 @@ namespace palpate {
                                 const Eigen::Vector3d& outward);
 
 /// The stored form: |F| against displacement along one direction, the mean of the force
-/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
-/// also so where no depth carries force.
+/// along the path. The origin is kSimulated, or kNone where the tool met nothing. The
+/// origin is kNone also where no depth carries force.
 ///
-/// The curve is stored as it was pressed. Its first sample is the first touch of the
-/// path, which may be at a negative penetration (a cup touches the tool's side first),
-/// without force; a tool that loses contact on its way, or touches twice, has depths of
-/// zero force between others, and a falling curve.
+/// The curve is stored as the indentation found it. Its first sample is the first touch
+/// of the path, without force. The first touch may be at a negative penetration: a cup
+/// touches the tool's side first. A tool may lose contact on its way, or touch twice.
+/// Its curve then falls and has depths of zero force between others.
 ///
-/// kErrorOverBudget is set where the tool also reaches elsewhere; whether the error is
-/// above the budget is known once it is calibrated (error_calibration.h).
+/// kErrorOverBudget is set where the tool also reaches elsewhere. Calibration
+/// (error_calibration.h) decides whether the error is above the budget.
 ///
-/// `tilt` is the line nearest to the samples' tilts, without limits. Of a sticking tool
-/// it is the tilt of the mean direction: tangential forces are friction's, too.
+/// `tilt` is the line nearest to the samples' tilts, without limits. For a sticking
+/// tool `tilt` is the tilt of the mean direction: friction, too, makes tangential
+/// forces.
 ///
-/// error_relative is an estimate of what force_difference() measures, to be calibrated:
-/// what the mesh makes (0.55 of the difference to pressure on a mesh twice as coarse,
-/// or, if that is more, to a whole press on one, where there is one), what bears on the
-/// patch's edge, what the line of its tilts misses, what interpolation between depths
-/// and the part left out around make, and a fifth of the budget for what none of them
-/// sees (root of the sum of squares).
+/// error_relative estimates what force_difference() measures, and is to be calibrated.
+/// It is the root of the sum of squares of:
+/// - the mesh's error: 0.55 of the larger of two differences. One is to the pressure on
+/// a mesh twice as coarse. The other is to a whole press on such a mesh, where there is
+/// one.
+/// - what bears on the patch's edge;
+/// - what the line of the tilts misses;
+/// - the error of interpolation between depths;
+/// - the error of the part left out around;
+/// - a fifth of the budget, for what none of these sees.
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -67,23 +67,24 @@ struct Indentation {
   bool reaches_elsewhere = false;
 };
 
-/// Contact nodes that the tool may touch: joined to `start` over the surface, within
-/// `radius_m` of it, facing the tool (their normals are within 84 degrees of
-/// `outward`), and not held. What faces away is no obstacle to the press along
-/// -outward: its gap would neither close nor carry force on the tool.
+/// Contact nodes that the tool may touch. They are joined to `start` over the surface,
+/// within `radius_m` of `start`, and not held. They face the tool: their normals are
+/// within 84 degrees of `outward`. A node that faces away is no obstacle to the press
+/// along -outward. Its gap would neither close nor carry force on the tool.
 [[nodiscard]] std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
                                                       const Supports& supports,
                                                       std::int32_t start,
                                                       const Eigen::Vector3d& outward,
                                                       double radius_m);
 
-/// Radius of the patch for contact_patch [m]: what the path's tool, pressed to its
-/// largest depth into a flat elastic surface, shadows (shadow_radius_m at 1.44 times
-/// the depth), and two node spacings more. NaN where the tool cannot be placed.
+/// Radius of the patch for contact_patch [m]: the tool's shadow radius and two node
+/// spacings more. The shadow is that of the path's tool, pressed to its largest depth
+/// into a flat elastic surface (shadow_radius_m at 1.44 times the depth). NaN where the
+/// tool cannot be placed.
 [[nodiscard]] double patch_radius_m(const IndentationPath& path, double node_spacing_m);
 
 /// Presses along the path. The force on the tool is the derivative of the stored energy
-/// with the tool's position, so that the work along the path is the stored energy.
+/// with the tool's position. The work along the path is therefore the stored energy.
 /// @param compliance with the columns of the patch.
 /// @param patch from contact_patch. An empty patch gives an empty indentation.
 [[nodiscard]] Indentation indent(const ContactSurface& surface,

@@ -1,12 +1,12 @@
 // The part of a body around the tool that is treated as nonlinear; all the rest stays
 // linear and is condensed exactly.
 //
-// With K the rest stiffness of the whole body, every displacement that the near field
-// can ask for is u = K^-1 s with a source s [N] that lives on near nodes only. The
-// far field's residual is then zero by construction, and the total elastic energy is
-//   W = s.u/2 + sum over near tets of (W_e(u_e) - u_e.K_e u_e/2),
-// which needs u on the near nodes only: one solve per iteration, and nothing of the
-// size of the body besides.
+// K is the rest stiffness of the whole body. Every displacement of the near field is u
+// = K^-1 s with a source s [N] on near nodes only. The far field's residual is then
+// zero by construction. The total elastic energy is
+//   W = s.u/2 + sum over near tets of (W_e(u_e) - u_e.K_e u_e/2).
+// W needs u on the near nodes only. The cost is one solve per iteration, and nothing
+// else of the body's size.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@
 
 namespace palpate {
 
-/// A displacement of the near nodes and the source that makes it, u = (K^-1 s)_near;
-/// both (3 m), 3 near node + axis, zero on held nodes.
+/// A displacement of the near nodes and its source, u = (K^-1 s)_near. Both have 3 m
+/// entries, at 3 near node + axis, with zero on held nodes.
 struct NearState {
   Eigen::VectorXd source_n;
   Eigen::VectorXd displacement_m;
@@ -51,8 +51,8 @@ class NearField {
   /// Sets what acts on held unknowns to zero.
   void mask(Eigen::VectorXd& v) const;
 
-  /// Sum of W_e - u.K_e u/2 over the near tets [J], +inf where a law does not admit u;
-  /// and the smallest det F, at most 1.
+  /// Sum of W_e - u.K_e u/2 over the near tets [J]; +inf where a law does not admit u.
+  /// Also the smallest det F, at most 1.
   [[nodiscard]] ElementBatches::Energy excess(const Eigen::VectorXd& u_m) const;
 
   /// Adds d(excess)/du to `force` (3 m) and sets `change` to d2(excess)/du2.
@@ -74,17 +74,16 @@ class NearField {
   BlockMatrix change_;
 };
 
-/// Tets in which the displacement gradient of `u_m` (3 n_nodes) reaches `threshold`,
-/// and all of those whose law has no tangent at rest that holds for small strains
-/// (has_kink).
+/// Tets in which the displacement gradient of `u_m` (3 n_nodes) reaches `threshold`.
+/// All tets of some laws are added: laws without a tangent at rest that holds for small
+/// strains (has_kink).
 [[nodiscard]] std::vector<Eigen::Index> strained_tets(
     const QuadraticMesh& mesh, std::span<const Material> materials,
     const Eigen::VectorXd& u_m, double threshold);
 
-/// What the laws' energy adds to that of the rest stiffness at u_m (3 n_nodes), over
-/// the latter [-], at most 10: a measure of how nonlinear the body is where it is
-/// strained. Tets with less than a twentieth of the largest displacement gradient are
-/// left out.
+/// Energy of the laws at u_m (3 n_nodes) over that of the rest stiffness, minus 1 [-],
+/// at most 10. The value measures how nonlinear the body is where it is strained. Tets
+/// with less than a twentieth of the largest displacement gradient are left out.
 [[nodiscard]] double nonlinearity(const QuadraticMesh& mesh,
                                   std::span<const Material> materials,
                                   const Eigen::VectorXd& u_m);

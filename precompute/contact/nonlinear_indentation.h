@@ -106,13 +106,13 @@ struct NonlinearIndentation {
 };
 
 /// Follows the path through its steps, of growing penetration. A step that does not
-/// converge is cut in halves, unless it passes over others, which are taken then; one
-/// that fails for good ends the path. Contact may be
-/// lost on the way and found again: a depth without it has no force.
+/// converge is cut in halves. If the step passes over other steps, these are taken
+/// instead of halves. A step that fails for good ends the path. Contact may be lost on
+/// the way and found again: a depth without contact has no force.
 /// @param patch contact nodes, as for indent().
 /// @param compliance (n_patch x n_patch) [m/N] among them.
-/// @param touch_m penetration at first touch [m], below the steps', where nothing is
-/// deformed yet: negative in a concave place.
+/// @param touch_m penetration at first touch [m], below the steps' penetrations.
+/// Nothing is deformed yet; touch_m is negative in a concave place.
 /// @param place the tool at a penetration, for cut steps.
 [[nodiscard]] NonlinearIndentation indent_nonlinear(
     const NonlinearBody& body, std::span<const std::int32_t> patch,

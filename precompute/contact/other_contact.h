@@ -14,10 +14,11 @@ namespace palpate {
 /// opposite wall of a fold, a neighbouring lobe, a step beside the vertex, a held face.
 /// What it does there is not in the response: its force is too small.
 ///
-/// True if at the first touch a contact node outside the patch lies in the tool, or at
-/// the largest depth one that faces it (tool's normal . node's normal < 0), by more
-/// than a tenth of the largest depth, all on the body at rest. The far side of a thin
-/// part, which the tool passes through there, does not face it.
+/// True if a contact node outside the patch lies in the tool by more than a tenth of
+/// the largest depth. The body is at rest and the tool at first touch, or at the
+/// largest depth. At the largest depth a node counts only if it faces the tool (tool's
+/// normal . node's normal < 0). The far side of a thin part, which the tool passes
+/// through there, does not face the tool.
 /// @param patch ascending.
 [[nodiscard]] bool reaches_elsewhere(const ContactSurface& surface,
                                      std::span<const std::int32_t> patch,

@@ -50,9 +50,9 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
 /// K without the rows and columns of held degrees of freedom.
 [[nodiscard]] Stiffness reduce(const Stiffness& lower, const Supports& supports);
 
-/// Near-field compliance of the contact surface. Entry (v, w) [m/N]: average inward
-/// displacement over the hat of v along the inward normals, for 1 N of pressure force
-/// spread over the hat of w. Symmetric (Maxwell-Betti).
+/// Near-field compliance of the contact surface. Entry (v, w) [m/N] is the average
+/// displacement over the hat of v, along the inward normals. The load is 1 N of
+/// pressure force spread over the hat of w. Symmetric (Maxwell-Betti).
 class SurfaceCompliance {
  public:
   static constexpr std::size_t kBlock = kSolveWidthMax;  ///< columns per solve

@@ -29,7 +29,7 @@ class TangentFactor {
   /// Not ready until the next refresh().
   void drop() { factor_.reset(); }
 
-  /// (K + change)^-1 r on the near nodes, with its source K u = r - change u: the pair
+  /// (K + change)^-1 r on the near nodes, with its source K u = r - change u. The pair
   /// leaves the far field in balance as well as the factor is exact. Only where
   /// ready().
   /// @param r (3 m), zero on held nodes.

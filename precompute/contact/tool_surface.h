@@ -1,10 +1,12 @@
 // Geometry of a rigid convex tool: distance, support, where it stands on its path.
 //
-// Kinds that turn about an axis are a ball of radius rho rolled along the outline of a
-// sharp core in the half plane (s, z), s = distance from the axis: distance to the tool
-// = distance to the core - rho. Cores: sphere: a point; capsule: a segment; flat punch:
-// an endless cylinder of radius R - edge; cone: a sharp cone with its apex at the
-// centre of the tip's sphere.
+// A kind that turns about an axis is a ball of radius rho rolled along the outline of a
+// sharp core. The core lies in the half plane (s, z), s = distance from the axis. The
+// distance to the tool = distance to the core - rho. The cores are:
+// - sphere: a point;
+// - capsule: a segment;
+// - flat punch: an endless cylinder of radius R - edge;
+// - cone: a sharp cone with its apex at the centre of the tip's sphere.
 #pragma once
 
 #include <vector>
@@ -38,10 +40,11 @@ class ToolSurface {
 
   [[nodiscard]] const ToolShape& shape() const { return shape_; }
 
-  /// Exact Euclidean distance to the surface, also inside. C1 outside, and inside down
-  /// to the depth of the smallest radius of curvature; where the gradient is not unique
-  /// (a sphere's centre, a sharp edge from inside) it is one of those that there are.
-  /// The curvature is that of the smooth piece.
+  /// Exact Euclidean distance to the surface, also inside. The distance is C1 outside,
+  /// and inside down to the depth of the smallest radius of curvature. The gradient is
+  /// not unique at some places: a sphere's centre, a sharp edge from inside. The
+  /// gradient there is one of the possible ones. The curvature is that of the smooth
+  /// piece.
   [[nodiscard]] ToolDistance distance(const Eigen::Vector3d& p_m) const;
   /// [m] The distance alone, at a part of the cost.
   [[nodiscard]] double distance_m(const Eigen::Vector3d& p_m) const;
@@ -65,9 +68,9 @@ class ToolSurface {
   [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
 
   /// Cosine of the steepest inclination to the horizontal, for a press along the axis,
-  /// at which the near side still counts; beyond, contact laws go on straight with
-  /// that slope. 0.312 (a sphere at s = 0.95 R), smaller for needles, so that their
-  /// flanks count.
+  /// at which the near side still counts. Beyond, contact laws go on straight with that
+  /// slope. The value is 0.312 (a sphere at s = 0.95 R), and smaller for needles, so
+  /// that their flanks count.
   [[nodiscard]] double steepest_cosine() const { return steepest_cosine_; }
 
  private:
@@ -94,10 +97,10 @@ struct PlacedTool {
   Eigen::Vector3d press;        ///< [-] unit, from the body to where the tool came from
 };
 
-/// The tool on its path at normal penetration delta: its lowest point along the path
-/// has passed the vertex by delta: reference = vertex + (support(-outward) - delta)
-/// outward. For a sphere: vertex + (R - delta) outward. The reference is not finite
-/// where the tool has no end towards the body: its handle would be in the way.
+/// The tool on its path at normal penetration delta. The tool's lowest point along the
+/// path has passed the vertex by delta: reference = vertex + (support(-outward) -
+/// delta) outward. For a sphere: vertex + (R - delta) outward. The reference is not
+/// finite where the tool has no end towards the body: its handle would be in the way.
 [[nodiscard]] PlacedTool place_on_path(const ToolSurface& surface,
                                        const Eigen::Vector3d& vertex_m,
                                        const Eigen::Vector3d& outward,
@@ -107,10 +110,13 @@ struct PlacedTool {
 [[nodiscard]] ToolDistance distance(const PlacedTool& tool, const Eigen::Vector3d& p_m);
 [[nodiscard]] double distance_m(const PlacedTool& tool, const Eigen::Vector3d& p_m);
 
-/// Expected radius of the contact [m] at a depth [m], for sizing meshes, on a flat
-/// elastic half-space: sphere and capsule min(R, sqrt(R d)); flat punch R; cone
-/// (2 / pi) d tan(half-angle) (Sneddon 1965) or as its tip's sphere, whichever is
-/// larger; mesh: of a disc with the area of the tool's shadow at that depth.
+/// Expected radius of the contact [m] at a depth [m] on a flat elastic half-space, for
+/// sizing meshes:
+/// - sphere and capsule: min(R, sqrt(R d));
+/// - flat punch: R;
+/// - cone: the larger of (2 / pi) d tan(half-angle) (Sneddon 1965) and the radius of
+/// its tip's sphere;
+/// - mesh: the radius of a disc with the area of the tool's shadow at that depth.
 [[nodiscard]] double expected_contact_radius_m(const ToolShape& tool, double depth_m);
 
 }  // namespace palpate
