@@ -15,8 +15,8 @@ namespace palpate {
 [[nodiscard]] bool is_reachable(const Scene& scene, const Eigen::Vector3d& p_m);
 
 /// The body's mesh as the scene's file has it, without parts that are the surface of
-/// one of its inclusions: those inside another part that coincide with an inclusion's
-/// mesh as faces are shared (formats/scene/SCENE.md).
+/// one of its inclusions. Such a part lies inside another part and coincides with an
+/// inclusion's mesh as faces are shared (formats/scene/SCENE.md).
 /// @param notes gains what was found out about the file, and a line for each such part.
 [[nodiscard]] SurfaceMesh read_body_mesh(const Scene& scene,
                                          std::vector<std::string>& notes);
@@ -30,11 +30,11 @@ struct HollowBody {
                                        const CheckedSurface& checked);
 
 /// Halves edges where the scene reaches, until none is longer than an eighth of the
-/// reach's diagonal (of what its box and the body's share); beyond, they may grow by
-/// half of the distance. Only for a surface that cannot be pressed as it is, because no
-/// vertex of it is in reach, as of a block of twelve triangles; others are left alone.
-/// Old vertices stay first and in place.
-/// @param notes gains a line if it was refined.
+/// reach's diagonal. The reach is what its box and the body's share. Beyond the reach,
+/// edges may grow by half of the distance. Only a surface without a vertex in reach is
+/// refined, as a block of twelve triangles: it cannot be pressed as it is. Other
+/// surfaces are left alone. Old vertices stay first and in place.
+/// @param notes gains a line if the surface was refined.
 [[nodiscard]] SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
                                             std::vector<std::string>& notes);
 

@@ -1,14 +1,17 @@
-// A body in coarse tets, which tells a part cut out of it how far the cut gives way.
+// A body in coarse tets, which gives the displacement of the cut to a part cut out of
+// the body.
 //
-// With the part clamped at its cut, and E the displacement of the part for one given on
-// the cut (its harmonic extension), the compliance of the whole body between two
-// contact nodes is exactly
-//   G(x, y) = G_clamped(x, y) + x . E u_y,
-// u_y being what the whole body's cut does under the unit pressure force at y. Here u_y
-// is computed on the coarse body. It gives G(x, y) and G(y, x) slightly different
-// values; the mean of both is used. Error: a clamped part is wrong by order a/R of the
-// force (contact radius over cut radius); with the coarse body that is multiplied by
-// the coarse body's own relative error of u_y at the distance R from the load.
+// The part is clamped at its cut. E is the displacement of the part for a given
+// displacement of the cut (its harmonic extension). Then the compliance of the whole
+// body between two contact nodes is exactly
+//   G(x, y) = G_clamped(x, y) + x . E u_y.
+// u_y is the displacement of the whole body's cut under the unit pressure force at y.
+// Here u_y is computed on the coarse body. G(x, y) and G(y, x) then have slightly
+// different values; the mean of both is used.
+//
+// Error: a clamped part is wrong by order a/R of the force (contact radius over cut
+// radius). The coarse body multiplies this error by its own relative error of u_y at
+// the distance R from the load.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +37,9 @@ struct ClampedPart {
 
 class CoarseBody {
  public:
-  /// The body's surface, coarsened or refined to edges of about `edge_m` near the
-  /// vertices that will be pressed and longer ones away from them, meshed and
-  /// factorised.
-  /// @throws InputError if it would have more than kMostTriangles triangles.
+  /// The body's surface, coarsened or refined, meshed and factorised. Edges are about
+  /// `edge_m` long near the vertices that will be pressed, and longer away from them.
+  /// @throws InputError if the body would have more than kMostTriangles triangles.
   CoarseBody(const Scene& scene, const BodySource& body,
              std::span<const std::int32_t> vertices, double edge_m);
   explicit CoarseBody(BodyModel model);

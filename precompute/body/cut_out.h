@@ -28,7 +28,7 @@ struct CutOut {
 };
 
 /// All tets with a corner no farther than `radius_m` from one of the vertices, as far
-/// as such corners hang together: what comes near around a fold is not taken. Corners
+/// as such corners are connected. What comes near around a fold is not taken. Corners
 /// on the cut are farther away than the radius. Time and memory grow with the result
 /// alone.
 /// @param vertices corners of the body.

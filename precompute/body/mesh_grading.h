@@ -15,10 +15,10 @@
 namespace palpate {
 
 /// Edge length at distance r from a pressed vertex: growth * (r - core_m), never below
-/// finest_m, which is what the contact at a sixteenth of the largest depth needs. So a
-/// shallow contact has as many nodes across as a deep one: its radius over the distance
-/// of contact nodes (half an edge) is 2 / growth. Around the rim of a flat punch edges
-/// shrink likewise.
+/// finest_m. The contact at a sixteenth of the largest depth needs finest_m. So a
+/// shallow contact has as many nodes across as a deep one. A contact's radius over the
+/// distance of contact nodes (half an edge) is 2 / growth. Around the rim of a flat
+/// punch edges shrink likewise.
 struct ContactFocus {
   double growth = 1.0;     ///< [-] edge over distance
   double finest_m = 0.0;   ///< [m] smallest edge that is asked for
@@ -40,8 +40,8 @@ struct ContactFocus {
 [[nodiscard]] double uniform_spacing_m(const Scene& scene, const BodySource& body,
                                        bool nonlinear);
 
-/// What the tools, pressed to the scene's depth, may touch around a vertex [m]: the
-/// largest patch_radius_m() on a flat surface of contact nodes so far apart.
+/// Radius around a vertex that the tools may touch, pressed to the scene's depth [m].
+/// It is the largest patch_radius_m() on a flat surface of contact nodes so far apart.
 [[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,
                                       double node_spacing_m);
 
@@ -56,14 +56,15 @@ struct ContactFocus {
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     std::size_t size);
 
-/// Groups that share one mesh: as many neighbours as refine the body by about what it
-/// has itself; all of them where the body is as fine as the contact wants.
+/// Groups that share one mesh. A group has as many neighbours as add about as many
+/// triangles as the body itself has. All vertices are one group where the body is as
+/// fine as the contact wants.
 [[nodiscard]] std::vector<std::vector<std::int32_t>> group_vertices(
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     const ContactFocus& focus);
 
-/// Groups for presses on meshes of their own: as group_vertices, but every vertex alone
-/// where the presses are nonlinear, which cost more the finer the body is elsewhere.
+/// Groups for presses on meshes of their own, as of group_vertices(). Nonlinear presses
+/// have every vertex alone: they cost more the finer the body is elsewhere.
 [[nodiscard]] std::vector<std::vector<std::int32_t>> group_presses(
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, bool nonlinear);

@@ -19,8 +19,8 @@
 
 namespace palpate {
 
-/// Past this many surface triangles a body of compact shape has some 200 000 quadratic
-/// nodes, and its factor outgrows the memory of a small machine.
+/// Most surface triangles of a body. Past this number a body of compact shape has some
+/// 200 000 quadratic nodes, and its factor outgrows the memory of a small machine.
 inline constexpr Eigen::Index kMostTriangles = 30000;
 
 struct BodyModel {
@@ -56,9 +56,9 @@ struct UniformSurface {
     const BodySource& body, double spacing_m,
     Eigen::Index triangles_max = kMostTriangles);
 
-/// The body's surface with edges halved where they are longer than contact nodes so far
-/// apart want them, within `reach_m` of the given vertices; beyond, they may grow by
-/// half of the distance. For bodies of which only a part is pressed.
+/// The body's surface, refined for contact nodes `spacing_m` apart within `reach_m` of
+/// the given vertices. Longer edges are halved there; beyond, edges may grow by half of
+/// the distance. For bodies of which only a part is pressed.
 [[nodiscard]] UniformSurface pressed_surface(
     const BodySource& body, std::span<const std::int32_t> vertices, double spacing_m,
     double reach_m, Eigen::Index triangles_max = kMostTriangles);
@@ -86,9 +86,9 @@ void check_held(const Scene& scene, const BodyModel& model);
 
 /// Tetrahedralises, holds, assembles and factorises.
 /// @param surface of the body, refined; its first vertices are the body's.
-/// @throws InputError where the supports do not hold the body or its factor would not
-/// fit into this machine's memory (require_memory), NumericalError where
-/// meshing or factorisation failed.
+/// @throws InputError where the supports do not hold the body. Also where its factor
+/// would not fit into this machine's memory (require_memory).
+/// @throws NumericalError where meshing or factorisation failed.
 [[nodiscard]] BodyModel make_body_model(const Scene& scene, const BodySource& body,
                                         const SurfaceMesh& surface);
 
@@ -100,12 +100,12 @@ void check_held(const Scene& scene, const BodyModel& model);
                                          std::span<const std::int32_t> vertices,
                                          const ContactFocus& focus);
 
-/// The model on a surface that is refined around the given vertices, and coarsened
-/// farther away where the body is finer than its contact can feel: with edges that stay
-/// shorter than the mesh wants them there. Where the coarse surface cannot be meshed
-/// two less coarse ones are tried, then the body's own is taken. Where tets under the
-/// tool are slivers, which are too stiff, slightly finer and coarser surfaces are
-/// tried.
+/// The model on a surface that is refined around the given vertices. Farther away the
+/// surface is coarsened where the body is finer than its contact can feel. Its edges
+/// stay shorter than the mesh wants them there. Where the coarse surface cannot be
+/// meshed two less coarse ones are tried, then the body's own is taken. Where tets
+/// under the tool are slivers, which are too stiff, slightly finer and coarser surfaces
+/// are tried.
 /// @param keep_stiffness beside its factor.
 [[nodiscard]] BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                                           std::span<const std::int32_t> vertices,

@@ -50,8 +50,9 @@ struct BodySource {
 /// Whether a fixed support holds the surface there.
 [[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);
 
-/// How much of the body's surface each support holds, or springs stand under [m^2]: of
-/// points that lie four or more to a support's smallest extent.
+/// Area of the body's surface that each support holds, or that its springs stand under
+/// [m^2]. The area is counted by points that lie four or more to a support's smallest
+/// extent.
 [[nodiscard]] std::vector<double> supported_areas_m2(const Scene& scene,
                                                      const SurfaceMesh& surface);
 

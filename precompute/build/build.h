@@ -27,8 +27,8 @@ struct BuildOptions {
   RepairMode repair = RepairMode::kOff;     ///< of the body's mesh file
   std::optional<Precision> precision = {};  ///< none: the cheapest (choose_precision)
   int workers = 0;  ///< [0, inf) threads; 0: one for each core. The bytes are the same
-  /// [s] Memory, processes and room on the disk that are wanting are waited for so
-  /// long; with `resume`, also the end of another build of the output.
+  /// [s] Longest wait for memory, processes and room on the disk that are wanting. With
+  /// `resume`, also for the end of another build of the output.
   double patience_s = 600.0;
   FolderUse folder_use = FolderUse::kAlone;  ///< of what is kept beside `output`
 };
@@ -48,17 +48,17 @@ struct BuildReport {
 };
 
 /// Solves the units of this shard, each kept as soon as it is done, and writes the
-/// output: the database, or for one shard of several a file for `palpate-db merge`.
-/// Every number is checked where a stage hands it on; a node that cannot be answered is
-/// stored as failed, with its reason, and the others are written. With `resume`, an
-/// output that another run has finished meanwhile is taken as it is. One of the same
-/// plan that holds more responses stays.
+/// output. The output is the database, or for one shard of several a file for
+/// `palpate-db merge`. Every number is checked where a stage hands it on. A node
+/// without an answer is stored as failed, with its reason, and the others are written.
+/// With `resume`, an output that another run has finished meanwhile is taken as it is.
+/// An output of the same plan that holds more responses stays.
 /// @throws ResourceError where memory, processes, disk or another build's end were
-/// waited for in vain: nothing is written, and what was solved is kept. InputError if
-/// units of an earlier run are there and `resume` is not given, or they belong to
-/// another scene, body or version; as read_body() and require_meshable(), before
-/// anything is computed; NumericalError if no node at all has a response, or the output
-/// is better.
+/// waited for in vain. Nothing is written then, and what was solved is kept.
+/// @throws InputError if units of an earlier run are there and `resume` is not given.
+/// Also if these units belong to another scene, body or version. Also as read_body()
+/// and require_meshable(), before anything is computed.
+/// @throws NumericalError if no node at all has a response, or the output is better.
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress);
 
 }  // namespace palpate

@@ -23,7 +23,7 @@ class Checkpoint {
   Checkpoint& operator=(const Checkpoint&) = delete;
 
   /// A unit that was kept; none if it is missing or damaged, or if one of its nodes
-  /// breaks a rule (is_sound): such a unit is computed again.
+  /// breaks a rule (is_sound). Such a unit is computed again.
   [[nodiscard]] std::optional<WorkUnitOutcome> load(std::int64_t unit) const;
 
   /// Keeps a unit: whole or not at all, whenever the power goes. Safe from several

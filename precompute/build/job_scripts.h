@@ -42,8 +42,8 @@ struct Job {
   int memory_mb = 1000;  ///< >= 1 of a shard
 };
 
-/// Time limit [minutes] of one of `shards` equal parts of `seconds` of work: three
-/// times its share of the work, and ten minutes for what every shard does anew.
+/// Time limit [minutes] of one of `shards` equal parts of `seconds` of work. The limit
+/// is three times the part's share, and ten minutes for what every shard does anew.
 [[nodiscard]] int time_limit_minutes(double seconds, int shards);
 
 /// One shell word that stands for `text`, whatever is in it.

@@ -24,16 +24,19 @@ namespace palpate {
 /// @throws InputError naming the regions or constants that there are.
 void set_constant(Scene& scene, const std::string& name, double value);
 
-/// Presses every vertex at every point of the grid, each on a mesh graded to it, as
-/// well as the scene's budget asks for (nonlinear where its laws are). Depths are D
-/// (k / n)^2, k = 1 to n, n the scene's number of depths, D the largest that every
-/// press reached after its first touch. Forces are those along the tool's way. The
-/// sweep's error is the largest relative difference from presses on meshes twice as
-/// fine, at the middle of the grid, from a tenth of D on: with forces whose error falls
-/// as the square of an edge it is three quarters of the error, with the first power a
-/// half.
-/// @throws InputError as set_constant, read_body; NumericalError naming the vertex and
-/// the values of a press that failed or met nothing.
+/// Presses every vertex at every point of the grid, each on a mesh graded to the
+/// vertex. A press is as exact as the scene's budget asks for (nonlinear where its laws
+/// are). Depths are D (k / n)^2, k = 1 to n, n the scene's number of depths. D is the
+/// largest depth that every press reached after its first touch. Forces are those along
+/// the tool's way.
+///
+/// The sweep's error is the largest relative difference from presses on meshes twice as
+/// fine. It is taken at the middle of the grid, from a tenth of D on. With forces whose
+/// error falls as the square of an edge, the difference is three quarters of the error.
+/// With the first power, the difference is a half of the error.
+/// @throws InputError as set_constant, read_body.
+/// @throws NumericalError naming the vertex and the values of a press that failed or
+/// met nothing.
 [[nodiscard]] ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
                                             const SharedTool& tool,
                                             std::span<const std::int32_t> vertices,

@@ -18,8 +18,8 @@ struct PlanOptions {
   RepairMode repair = RepairMode::kOff;  ///< as BuildOptions
 };
 
-/// One kind of work: how often, and how long all of it takes. What is done once is
-/// timed as it is; the rest is timed on a few vertices, by as many workers at once as
+/// One kind of work: how often, and how long all of it takes. Work that is done once is
+/// timed as it is. Other work is timed on a few vertices, by as many workers at once as
 /// the build has, and multiplied.
 struct PlanCost {
   std::string work;            ///< "columns of the surface compliance"

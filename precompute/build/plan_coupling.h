@@ -11,9 +11,10 @@
 
 namespace palpate {
 
-/// Adds the table of compliance, whose work and memory are counted, and the joint
-/// presses that measure its error, of which every worker tries one set: the memory that
-/// these take at once is that of a build. Nothing where no tool couples.
+/// Adds the table of compliance, whose work and memory are counted. Also adds the joint
+/// presses that measure the table's error, of which every worker tries one set. The
+/// memory that these presses take at once is that of a build. Nothing where no tool
+/// couples.
 /// @param report its peak_memory_bytes is at least the table's afterwards.
 void plan_coupling(const Scene& scene, const BodySource& body,
                    std::span<const std::int32_t> reachable, std::size_t workers,

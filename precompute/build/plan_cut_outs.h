@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// Meshes the body to cut from and presses a few groups of vertices, `workers` of them
-/// side by side; fills in the report's cost, tets and unknowns, and a note.
+/// Meshes the body to cut from, and presses a few groups of vertices, `workers` of them
+/// side by side. Fills in the report's cost, tets and unknowns, and a note.
 /// @param strategy with cut-outs. @param vertices reachable ones. @param units of them.
 /// @throws as CutOutSolver.
 void plan_cut_outs(const Scene& scene, const BodySource& body,

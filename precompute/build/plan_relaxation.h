@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Adds linear presses at every rate at which relaxation is fitted, each as long as
-/// those of the report until now, but for its first work: reading the body. Nothing
-/// where nodes do not differ.
+/// Adds linear presses at every rate at which relaxation is fitted. Presses at one rate
+/// take as long as those of the report until now, without its first work: reading the
+/// body. Nothing where nodes do not differ.
 void plan_relaxation(const Scene& scene, PlanReport& report);
 
 }  // namespace palpate

@@ -26,12 +26,14 @@ using RestSolve = std::function<Eigen::VectorXd(
 /// One solve at a time, from one thread at a time.
 [[nodiscard]] RestSolve single_solves(const CholeskyFactor& factor);
 
-/// Runs every task to its end, as coroutines of the calling thread: each goes on until
-/// it asks for a solve; when all wait, one block solve serves them. Blocks of 32 cost
-/// several times less per column than single solves. The blocks' composition depends on
-/// the tasks alone, so that results are the same bits whoever runs them, wherever.
-/// Where a task throws the others still end, and the first one's exception is thrown;
-/// what a solve throws, every task that waited for it throws.
+/// Runs every task to its end, as coroutines of the calling thread. Each task goes on
+/// until it asks for a solve; when all wait, one block solve serves them. Blocks of 32
+/// cost several times less per column than single solves. The blocks' composition
+/// depends on the tasks alone. So results are the same bits on every thread and
+/// machine.
+///
+/// Where a task throws, the others still end, and the first task's exception is thrown.
+/// What a solve throws, every task that waited for the solve throws.
 void run_in_lock_step(const CholeskyFactor& factor,
                       std::span<const std::function<void(const RestSolve&)>> tasks);
 

@@ -1,8 +1,8 @@
 // One sparse Cholesky factorisation, shared by every thread that solves with it.
 //
-// Left-looking and supernodal (Ng and Peyton 1993; Chen, Davis, Hager, Rajamanickam
-// 2008), over blocks of three unknowns where K has them; the dense work is of
-// precompute/lanes, and so has the same bits on every processor.
+// The factorisation is left-looking and supernodal (Ng and Peyton 1993; Chen, Davis,
+// Hager, Rajamanickam 2008). Its blocks have three unknowns where K has such blocks.
+// precompute/lanes does the dense work, with the same bits on every processor.
 #pragma once
 
 #include <cstdint>

@@ -49,10 +49,10 @@ struct Supernodes {
   void solve(Eigen::VectorXd& x) const;
 };
 
-/// The columns of L that some unknowns reach through the elimination tree. Where a
-/// right-hand side acts on them alone and only their displacement is wanted,
-/// substitution touches no other column: a solve costs what these hold, whatever else
-/// the body has. Must not outlive its factor.
+/// The columns of L that some unknowns reach through the elimination tree. A right-hand
+/// side may act on these unknowns alone, and only their displacement be wanted.
+/// Substitution then touches no other column: a solve costs what these columns hold,
+/// whatever else the body has. Must not outlive its factor.
 class FactorPart {
  public:
   FactorPart() = default;  ///< nothing, and not to be asked
@@ -74,11 +74,11 @@ class FactorPart {
   /// One right-hand side, (size).
   void solve(Eigen::VectorXd& x) const;
 
-  /// The same with L's numbers rounded to single precision, for single right-hand sides
-  /// alone, which take 0.6 to 0.8 of the time: to go through L is what they wait for.
-  /// It solves with a matrix that is 1e-7 off, relative to the largest entries: a
-  /// preconditioner. L is divided by its largest pivot first, so that no unit of
-  /// stiffness matters.
+  /// The same part with L's numbers rounded to single precision, for single right-hand
+  /// sides alone. These take 0.6 to 0.8 of the time: they wait for the pass through L.
+  /// The rounded part solves with a matrix that is 1e-7 off, relative to the largest
+  /// entries: a preconditioner. L is divided by its largest pivot first, so that no
+  /// unit of stiffness matters.
   [[nodiscard]] FactorPart rounded() const;
 
  private:

@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// 3 where K (lower triangle) consists of whole 3 x 3 blocks, as that of a body does
-/// whose nodes are held in all directions or in none; else 1.
+/// 3 where K (lower triangle) consists of whole 3 x 3 blocks, else 1. A body has such
+/// blocks if its nodes are held in all directions or in none.
 [[nodiscard]] std::ptrdiff_t block_size(const Stiffness& lower);
 
 /// Of K's blocks of that size.

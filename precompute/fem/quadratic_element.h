@@ -1,10 +1,12 @@
 // A quadratic tetrahedron with straight edges: energy, nodal forces, stiffness.
 //
 // W(u) = sum_q w_q Psi(F_q) + V k/2 thetabar^2, F_q = 1 + sum_a u_a (x) grad N_a(x_q),
-// thetabar = (1/V) sum_q w_q theta(F_q): the volume term of the law sees only the mean
-// over the element (mean dilatation, P2/P0; Nagtegaal, Parks, Rice 1974; Simo, Taylor,
-// Pister 1985), so that a nearly incompressible body does not lock. Four-point rule
-// (Hammer, Marlowe, Stroud 1956), exact for linear laws.
+// thetabar = (1/V) sum_q w_q theta(F_q).
+//
+// The volume term of the law sees only the mean over the element, so that a nearly
+// incompressible body does not lock. This is mean dilatation, P2/P0 (Nagtegaal, Parks,
+// Rice 1974; Simo, Taylor, Pister 1985). The four-point rule (Hammer, Marlowe, Stroud
+// 1956) is exact for linear laws.
 #pragma once
 
 #include <array>
@@ -47,7 +49,8 @@ struct ElementLinearisation {
                                     const Material& material, const ElementVector& u_m);
 
 /// @param convex negative eigenvalues of the laws' tangents (9 x 9) are set to zero at
-/// each of the four points (Teran et al. 2005): the stiffness has none then.
+/// each of the four points (Teran et al. 2005). The stiffness then has no negative
+/// eigenvalues.
 [[nodiscard]] ElementLinearisation element_response(const ElementGeometry& geometry,
                                                     const Material& material,
                                                     const ElementVector& u_m,

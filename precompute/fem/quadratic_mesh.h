@@ -20,8 +20,9 @@ using QuadraticTets = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 10, Eigen::Row
 using QuadraticTriangles =
     Eigen::Matrix<std::int32_t, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
-/// Node order of a tet: corners 0..3, then the middles of edges
-/// (0,1) (1,2) (0,2) (0,3) (1,3) (2,3); of a triangle: corners, then (0,1) (1,2) (2,0).
+/// Node order of a tet: corners 0..3, then the middles of edges (0,1) (1,2) (0,2) (0,3)
+/// (1,3) (2,3). Node order of a triangle: corners, then the middles of (0,1) (1,2)
+/// (2,0).
 struct QuadraticMesh {
   Points position_m;           ///< (n_nodes x 3) [m] corners first, then edge middles
   QuadraticTets tet;           ///< (n_tets x 10)

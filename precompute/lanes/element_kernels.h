@@ -27,7 +27,8 @@ struct ElementBatch {
 /// What an element averages over its points (VolumeMeasure).
 enum class BatchVolume { kNone, kSmallTrace, kGreenTrace, kJacobian };
 
-/// A law as numbers. Its distortion is one of
+/// A law as numbers. The law's distortion has one of these kinds.
+///
 ///   kInvariants: c10 (Ibar1 - 3) + c01 (Ibar2 - 3)
 ///   kGreenStrain: mu E:E + lambda/2 (tr E)^2
 ///   kSmallStrain: the same of the small strain

@@ -1,11 +1,13 @@
 // The dense work inside a supernodal Cholesky factor, for every instruction set.
 //
-// A supernode is a block of columns of L with the same rows below them: columns j =
-// 0..k, rows i = 0..m, of which the first k are its own columns; column by column, as
-// is all that follows. What is computed has the same bits with every instruction set,
-// and for every right-hand side whatever others are solved beside it, but for one
-// alone: one and several differ by rounding. Nothing here allocates, throws or reads
-// what it was not given.
+// A supernode is a block of columns of L with the same rows below them. Its columns are
+// j = 0..k, its rows i = 0..m, of which the first k are its own columns. All arrays are
+// stored column by column.
+//
+// Results have the same bits with every instruction set. A right-hand side's bits do
+// not depend on the others that are solved beside it. But one right-hand side alone and
+// several differ by rounding. Nothing here allocates, throws or reads what it was not
+// given.
 #pragma once
 
 #include <cstddef>
@@ -47,17 +49,18 @@ struct FactorKernels {
   std::ptrdiff_t (*product_work)(std::ptrdiff_t m, std::ptrdiff_t n, std::ptrdiff_t k);
 
   /// Replaces a supernode's block of K (lower triangle, after the updates by its
-  /// descendants) by that of L; what stands above the diagonal means nothing, but must
-  /// be finite. @param work as factorise_work(). @return the first column without a
-  /// positive pivot, or k.
+  /// descendants) by that of L. What stands above the diagonal means nothing, but must
+  /// be finite.
+  /// @param work as factorise_work().
+  /// @return the first column without a positive pivot, or k.
   std::ptrdiff_t (*factorise)(std::ptrdiff_t m, std::ptrdiff_t k, double* L,
                               std::ptrdiff_t ld, double* work);
   std::ptrdiff_t (*factorise_work)(std::ptrdiff_t m, std::ptrdiff_t k);
 
   /// Forward elimination of right-hand sides that stand below a factorised supernode as
-  /// rows of it: of Y (rows x m), L's rows being its columns, the first k become
-  /// Y L11'^-1, and the others less by their product with L21'. @param work as
-  /// product_work() of rows, m and k.
+  /// rows of it. Y is (rows x m), with L's rows as columns. Y's first k columns become
+  /// Y L11'^-1; the others become less by the product of these with L21'.
+  /// @param work as product_work() of rows, m and k.
   void (*eliminate)(std::ptrdiff_t rows, std::ptrdiff_t m, std::ptrdiff_t k,
                     const double* L, std::ptrdiff_t ld, double* Y, std::ptrdiff_t ldy,
                     double* work);

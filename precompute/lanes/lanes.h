@@ -1,12 +1,11 @@
-// Eight doubles that are worked on side by side, whatever the processor: for sources
-// that are compiled once for each instruction set (instruction_set.h), and for nothing
-// else.
+// Eight doubles that are worked on side by side, whatever the processor. Only for
+// sources that are compiled once for each instruction set (instruction_set.h).
 //
-// Every operation is rounded by itself in every lane (no contraction), so that all
-// instruction sets give the same bits. Sources that include this may include nothing
-// with inline functions of its own: the linker keeps one copy of such a function, and
-// that copy might be one which another processor cannot run. All here is inlined
-// always.
+// Every operation is rounded by itself in every SIMD element (no contraction), so that
+// all instruction sets give the same bits. Sources that include this header may include
+// nothing with inline functions of its own. The linker keeps one copy of such a
+// function, and that copy might be one which another processor cannot run. All
+// functions here are inlined always.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +22,8 @@ namespace palpate::lanes {
 
 constexpr std::ptrdiff_t kWidth = 8;
 
-// What of them one register holds, and how many rows or columns of how many lanes a
-// kernel's tile of sums may have, so that they stay in registers.
+// Doubles that one register holds, and the size of a kernel's tile of sums: rows or
+// columns, and vectors of eight in each. So the tile stays in registers.
 #if defined(__AVX512F__)
 constexpr int kRegister = 8;
 constexpr int kTileLanes = 3;

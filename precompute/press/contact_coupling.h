@@ -24,9 +24,9 @@ constexpr double kClosestInRadii = 1.8;
 /// Whether contacts of some tool of the scene couple.
 [[nodiscard]] bool couples(const Scene& scene);
 
-/// Distances of a scene's table [m]: from one and a half contact radii of the smallest
-/// tool that couples, pressed to half of the largest depth, to the largest distance of
-/// two of the vertices.
+/// Distances of a scene's table [m]. The smallest distance is one and a half contact
+/// radii. The contact is that of the smallest tool that couples, pressed to half of the
+/// largest depth. The largest distance is that of the two vertices farthest apart.
 [[nodiscard]] std::vector<double> coupling_distances(
     const Scene& scene, const BodySource& body, std::span<const std::int32_t> vertices);
 
@@ -40,11 +40,11 @@ constexpr double kClosestInRadii = 1.8;
                                        double first_m);
 
 /// Table of a linear body for vertices that are pressed and those that share a triangle
-/// with them; rows of others are 0. One solve a row: displacements for 1 N of the
-/// smallest tool's contact there (contact_spot.h), times distance, are averaged by area
-/// over the surface around the pressed vertices, in bins that overlap like hats between
-/// neighbouring distances. Bins with hardly any surface have the mean of the other
-/// vertices'.
+/// with them; rows of others are 0. Each row takes one solve: displacements for 1 N of
+/// the smallest tool's contact there (contact_spot.h). Displacements times distance are
+/// averaged by area over the surface around the pressed vertices. The bins overlap like
+/// hats between neighbouring distances. Bins with hardly any surface have the mean of
+/// the other vertices' bins.
 /// @param model of small strains: of a nonlinear body its linear one.
 /// @param vertices that are pressed, ascending.
 [[nodiscard]] ComplianceTable coupling_table(const Scene& scene, const BodySource& body,
@@ -70,10 +70,10 @@ struct ApartBetween {
     std::span<const std::int32_t> nodes, const Points& position_m,
     const ApartBetween& apart, std::size_t count, std::mt19937_64& random);
 
-/// Whether contacts at sets of the table's nodes have one equilibrium at any depths:
-/// diag(1 / k) + C, with k the largest slopes of their curves, is positive definite for
-/// 900 sets of 2, 4 and 9 nodes that lie together, no two of them closer than
-/// closest_m.
+/// Whether contacts at sets of the table's nodes have one equilibrium at any depths.
+/// The criterion: diag(1 / k) + C, with k the largest slopes of the nodes' curves, is
+/// positive definite. It is tested for 900 sets of 2, 4 and 9 nodes that lie together,
+/// no two of them closer than closest_m.
 [[nodiscard]] bool one_equilibrium(const ComplianceTable& coupling,
                                    const ResponseTable& responses,
                                    const Points& position_m, double closest_m);

@@ -1,6 +1,6 @@
-// Where a contact presses: what couples contacts is how far a body gives way under the
-// whole of one for the whole of another, not from point to point. At edges and tips the
-// two differ much.
+// Where a contact presses. What couples contacts is a compliance: the displacement
+// under the whole of one contact for a force on the whole of another. The compliance
+// from point to point differs much from it at edges and tips.
 #pragma once
 
 #include <span>

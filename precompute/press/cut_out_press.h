@@ -15,8 +15,9 @@
 
 namespace palpate {
 
-/// Checks of a node are on a part so many times wider, and the estimate of what the cut
-/// costs is by one so many times narrower, before a body so many times coarser.
+/// [-] Factor between the parts that are compared. Checks of a node are on a part wider
+/// by this factor. The estimate of what the cut costs has a part narrower by this
+/// factor, in front of a body coarser by this factor.
 inline constexpr double kCutStep = 1.5;
 
 /// Past this many surface triangles the tets alone are too many for the mesher.

@@ -68,14 +68,15 @@ struct JointOptions {
   std::uint64_t seed = 1;
 };
 
-/// How many sets a build of the scene presses for each tool that couples, to tell its
-/// table's error: twice as many as checks of single presses, for errors of sets have a
-/// heavier tail; 0 where these are too few to tell.
+/// How many sets a build of the scene presses for each tool that couples, to measure
+/// its table's error. Twice as many as checks of single presses, for errors of sets
+/// have a heavier tail. 0 where these sets are too few to state an error.
 [[nodiscard]] std::size_t sets_of_build(const Scene& scene);
 
-/// Presses sets of vertices jointly: 1.8 contact radii apart or more, within 7 of the
-/// first, at half of the largest depth or deeper, on meshes made for each set. A set
-/// that cannot be meshed or pressed is left out, and counted.
+/// Presses sets of vertices jointly, on meshes made for each set. Vertices of a set are
+/// 1.8 contact radii apart or more, and within 7 contact radii of the first. Depths are
+/// half of the largest depth or more. A set that cannot be meshed or pressed is left
+/// out, and counted.
 /// @param vertices that are pressed. @param coupling of the scene.
 [[nodiscard]] CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
                                             const SharedTool& tool,

@@ -1,9 +1,9 @@
 // Values at new places from values at known ones: ordinary kriging (Matheron 1963;
-// Cressie, Statistics for Spatial Data, 1993, section 3.2), which is the best linear
-// unbiased prediction of a random field with constant but unknown mean. Its covariance
+// Cressie, Statistics for Spatial Data, 1993, section 3.2). Kriging is the best linear
+// unbiased prediction of a random field with constant but unknown mean. The covariance
 // is Matern's with nu = 3/2: a field that is smooth, but not very.
 //
-// The field's spread is nobody's business here: variances are shares of it.
+// The field's spread is not needed here: variances are shares of the spread.
 #pragma once
 
 #include <Eigen/Core>

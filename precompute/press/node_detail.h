@@ -1,5 +1,6 @@
-// One node pressed as a build presses it, with all that is known of it: what every
-// depth cost, the deformed body, and what it should be in balance with.
+// One node pressed as a build presses it, with all that is known of the node. The
+// detail holds the cost of every depth, the deformed body, and the checks of its
+// balance.
 #pragma once
 
 #include <cstdint>
@@ -33,9 +34,9 @@ struct DeformedBody {
 
 /// Figures that vanish in an exact solution [-]; NaN where there is nothing to compare.
 ///
-/// Balance is that of the discrete body: tets near the tool follow their law, far ones
-/// (and all of a linear press) have their rest stiffness, so that their forces are in
-/// balance about the rest position. What follows from that alone is kept apart as
+/// Balance is that of the discrete body. Tets near the tool follow their law. Far tets
+/// (and all tets of a linear press) have their rest stiffness, so that their forces are
+/// in balance about the rest position. What follows from that alone is kept apart as
 /// `theory`.
 struct BalanceChecks {
   /// |integral of F.n_out over the penetration - stored energy| / stored energy; the
@@ -69,11 +70,12 @@ struct NodeDetail {
                                           const DeformedBody& body);
 
 /// Presses one vertex as a build solves it: on the mesh of its group, with the same
-/// options, at the same depths, and again where that does not do. Its forces are those
-/// of a build to the last bit, but where a build interpolates, or presses again a
-/// linear node that its shared mesh is too coarse for.
+/// options, at the same depths. A press that does not suffice is repeated as in a
+/// build. The forces are those of a build to the last bit, with two exceptions. A build
+/// interpolates at some nodes, and presses again a linear node that its shared mesh is
+/// too coarse for.
 /// @param options if given, every depth is solved with these, but for sticking, which
-///   is the tool's.
+/// is the tool's.
 /// @throws InputError if the vertex does not exist or is held, NumericalError if
 /// nothing was solved.
 [[nodiscard]] NodeDetail press_in_detail(const Scene& scene, const BodySource& body,

@@ -64,15 +64,16 @@ struct PressedNode {
 /// tried. @returns whether it was taken.
 bool take_if_better(PressedNode& node, Reason reason, PressedNode again);
 
-/// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
-/// vertex, at zero penetration, it touches the body, but gaps are averaged over the
-/// hats of contact nodes, and around a corner or on a spike the average lies behind.
-/// True where the first touch comes after a twentieth of the largest depth, half of
-/// where errors of force begin to count, or not at all.
+/// Whether the mesh is too coarse for the vertex. Where the tool's end has reached the
+/// vertex, at zero penetration, the tool touches the body. But gaps are averaged over
+/// the hats of contact nodes, and around a corner or on a spike the average lies
+/// behind. True where the first touch comes after a twentieth of the largest depth, or
+/// not at all. Errors of force begin to count at twice that depth.
 [[nodiscard]] bool touches_late(const PressedNode& node);
 
-/// Whether a press that went to its end ended there because the tool meets a part of
-/// the body that is held (depth_until_held_m), short of the depth that the scene wants.
+/// Whether a press that went to its end ended short of the depth that the scene wants
+/// because of a support. There the tool meets a part of the body that is held
+/// (depth_until_held_m).
 [[nodiscard]] bool ends_at_support(const Scene& scene, const PressedNode& node);
 
 /// Whether the scene's materials and method ask for nonlinear solutions.
@@ -108,9 +109,9 @@ void drop_if_broken(PressedNode& node, const char* stage);
     std::span<const char> wanted,
     const std::function<void(std::size_t done, std::size_t total)>& told);
 
-/// How far a linear press goes that others are made of, over the scene's largest force:
-/// the linear body may be stiffer than the true one, and its force says little about
-/// where the path ends.
+/// Force at which a linear press ends that other presses are made of, over the scene's
+/// largest force [-]. The linear body may be stiffer than the true one, and its force
+/// says little about where the path ends.
 inline constexpr double kLinearForceTimes = 3.0;
 
 /// Presses a placed node into the linear body.

@@ -1,8 +1,9 @@
 // How each node's response yields, from the materials and tools of a scene.
 //
-// What a tool says of itself holds for all of its nodes. Else a node takes the material
-// that lies under it, half a contact radius deep along its normal, where the shear of a
-// ball's contact is largest (0.48 a; Johnson 1985); a cavity counts as what it lies in.
+// A tool's own parameters hold for all of its nodes. Else a node takes the material
+// that lies under it, half a contact radius deep along its normal. The shear of a
+// ball's contact is largest there (0.48 a; Johnson 1985). A cavity counts as the region
+// around it.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@
 
 namespace palpate {
 
-/// Region of a point of the body: 0 the body itself, i + 1 in inner surface or layer i
-/// and in no smaller one; cavities are passed over.
+/// Region of a point of the body: 0 is the body itself. In region i + 1 the point lies
+/// in inner surface or layer i, and in no smaller one. Cavities are passed over.
 [[nodiscard]] std::int32_t region_of(const BodySource& body,
                                      const Eigen::Vector3d& p_m);
 

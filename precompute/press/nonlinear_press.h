@@ -10,8 +10,9 @@ namespace palpate {
 /// How many samples of a path are solved nonlinear, unless a few do not tell the rest.
 [[nodiscard]] int nonlinear_depths(const SceneAccuracy& wanted);
 
-/// As exact as the scene's budget needs: what the far field's laws add, depths that are
-/// not solved and pressures that springs carry may each take a part of it.
+/// Options as exact as the scene's budget needs. Three errors may each take a part of
+/// it: what the far field's laws add, depths that are not solved, and pressures that
+/// springs carry.
 [[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
                                                  const SharedTool& tool);
 
@@ -19,12 +20,12 @@ namespace palpate {
 /// the energy of the tets around.
 void probe_nonlinearity(const BodyModel& model, PressedNode& node);
 
-/// Corrects linear presses by the nonlinear body's response at some of their depths:
-/// the difference of the force vectors, relative to the linear force, is interpolated
-/// in between and zero at first touch. Every depth is solved if the mode says so, where
-/// the linear press is no guide (is_guide), and where a few solved depths do not tell
-/// those between them (NonlinearOptions::depth_error_max). Nodes go in lock step,
-/// blocks of at most 32.
+/// Corrects linear presses by the nonlinear body's response at some of their depths.
+/// The correction is the difference of the force vectors, relative to the linear force.
+/// It is interpolated between solved depths and zero at first touch. Every depth is
+/// solved if the mode says so, or where the linear press is no guide (is_guide). Every
+/// depth is also solved where a few solved depths do not predict those between them
+/// (NonlinearOptions::depth_error_max). Nodes go in lock step, blocks of at most 32.
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                      std::span<PressedNode> nodes, const PressMode& mode);
 

@@ -18,10 +18,10 @@ struct MeshWork {
 };
 
 /// CPU seconds of one core of a machine of 2026 for a mesh, its factor and its columns:
-/// a T^1.48 + b columns T^1.24 with T the surface triangles of a compact body, whose
-/// factor has non-zeros in proportion to T^1.24 (machine_memory.h). Constants from a
-/// sphere of 25,920 triangles (25 s of factor, 0.047 s a column). For choosing between
-/// meshes, where only the ratio of two of them counts.
+/// a T^1.48 + b columns T^1.24. T is the number of surface triangles of a compact body,
+/// whose factor has non-zeros in proportion to T^1.24 (machine_memory.h). The constants
+/// come from a sphere of 25,920 triangles (25 s of factor, 0.047 s a column). The
+/// estimate is for choosing between meshes, where only the ratio of two costs counts.
 [[nodiscard]] double expected_cpu_s(const MeshWork& work);
 
 /// Of one column alone.

@@ -42,8 +42,8 @@ class RatioField {
   [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& linear);
 
   /// @param linear the vertex's, a guide.
-  /// @param ratio none where the presses are not alike: then the vertex counts in
-  /// errors, as wrong by all of its force, but not in predictions.
+  /// @param ratio none where the two presses follow different mechanisms. Then the
+  /// vertex counts in errors, as wrong by all of its force, but not in predictions.
   void add(std::int32_t vertex, const Indentation& linear,
            std::optional<PathRatio> ratio);
 
@@ -51,9 +51,9 @@ class RatioField {
   /// Vertices whose ratio is known.
   [[nodiscard]] std::size_t size() const { return ratios_; }
 
-  /// How far apart two places are [m], for choosing some among them: in space, and so
-  /// much more as they face elsewhere, as one is stiffer than the other, or as the body
-  /// is more nonlinear there.
+  /// Distance of two places [m], for choosing some among them: their distance in space
+  /// and more. What is added grows with the differences of normal, stiffness and
+  /// nonlinearity of the body there.
   [[nodiscard]] double distance_m(const Place& a, const Place& b) const;
 
   /// The same but for where they are: how unlike each other they are [-], in radians
@@ -64,11 +64,11 @@ class RatioField {
   /// nonlinearity.
   [[nodiscard]] Eigen::Vector<double, kCoordinates> coordinates(const Place& p) const;
 
-  /// The frame in which turns of forces are alike over the surface, in columns: the
-  /// normal n, c and n x c. c is the part of the linear force along the surface, of
-  /// length 1 where the force leans, and of a length that goes to 0 with its lean below
-  /// a fifth of a degree. So c is continuous: where the force does not lean it points
-  /// nowhere, and no turn along the surface is taken from other vertices.
+  /// The frame in which turns of forces are similar over the surface, in columns: the
+  /// normal n, c and n x c. c is the part of the linear force along the surface. Its
+  /// length is 1 where the force leans, and goes to 0 with the lean below a fifth of a
+  /// degree. So c is continuous: where the force does not lean, c points nowhere. No
+  /// turn along the surface is then taken from other vertices.
   [[nodiscard]] Eigen::Matrix3d frame(const Place& p) const;
 
  private:
@@ -83,11 +83,11 @@ class RatioField {
 inline constexpr double kExpectedDeviations = 1.5;
 
 /// What a field predicts. Logarithms of ratios, and turns of forces in the frame of
-/// their vertex, are taken for a random field over all coordinates, alike at all
-/// depths. Errors are those of force vectors, |F - F'| over |F|. Lengths over which it
-/// changes are those by which the known ratios predict each other best (leave-one-out
-/// predictive probability; Sundararajan and Keerthi, Neural Computation 13, 2001), and
-/// not far from usual ones.
+/// their vertex, are taken for a random field over all coordinates. The field is the
+/// same at all depths. Errors are those of force vectors, |F - F'| over |F|. The
+/// field's lengths of change are those by which the known ratios predict each other
+/// best. The criterion is the leave-one-out predictive probability (Sundararajan and
+/// Keerthi, Neural Computation 13, 2001). The lengths stay near the usual ones.
 class RatioModel {
  public:
   /// @param field as it is now; must outlive it, unchanged.
@@ -101,9 +101,9 @@ class RatioModel {
   [[nodiscard]] PathRatio from_others(std::int32_t vertex,
                                       const Indentation& linear) const;
 
-  /// Error of force [-] that is expected at a vertex if it takes this ratio:
-  /// kExpectedDeviations of a field that is as rough as around the vertex, or as
-  /// everywhere, whichever is more; and more where presses nearby were not alike.
+  /// Error of force [-] that is expected at a vertex if the vertex takes this ratio. It
+  /// is kExpectedDeviations of a field as rough as around the vertex, or as everywhere,
+  /// whichever is more. Presses nearby without a usable ratio raise the error.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& linear) const;
 
   /// Error [-] of every known ratio as the others predict it, in the order of

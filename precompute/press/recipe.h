@@ -1,6 +1,7 @@
-// How a node is pressed, and what is tried next where that did not do: the whole policy
-// of fall-backs of presses, known without a mesh. (How a mesh is made where the first
-// try fails, and how a press takes a step, are the mesher's and the contact's own.)
+// How a node is pressed, and what is tried next where that did not suffice. This is the
+// whole policy of fall-backs of presses, known without a mesh. (The mesher decides how
+// a mesh is made where the first try fails. The contact decides how a press takes a
+// step.)
 #pragma once
 
 #include <cstddef>

@@ -2,13 +2,15 @@
 // about its neighbours.
 //
 // A ratio needs two forces that mean the same thing. A press is a guide where it
-// carries force at every depth after the first touch; where it carries none (the tool
-// leaves contact on its way, or touches twice) nothing can be divided by it and nothing
-// scaled. Two guides are alike where the ratio of their forces lies between 1/10 and 10
-// at every depth; where it does not, the full press follows another mechanism than the
-// linear one (it lost contact, or a fold closed), and its ratio says nothing about
-// other vertices, but that they may be as odd. Such vertices keep their own full press,
-// and those around them are not interpolated without more solves.
+// carries force at every depth after the first touch. A press may carry no force at
+// some depth: the tool leaves contact on its way, or touches twice. Nothing can be
+// divided by such a press, and nothing scaled.
+//
+// Two guides are comparable where the ratio of their forces lies between 1/10 and 10 at
+// every depth. Otherwise the full press follows another mechanism than the linear one:
+// it lost contact, or a fold closed. The ratio of such a vertex says nothing about
+// other vertices, but that these may be as odd. The vertex keeps its own full press,
+// and the vertices around it are not interpolated without more solves.
 #pragma once
 
 #include <cstdint>
@@ -28,16 +30,17 @@ struct PathRatio {
   Eigen::VectorXd force;  ///< (k) [-] at the linear path's samples but the first
   /// (k x 3) [-] full direction minus the linear one.
   Eigen::MatrixX3d turn;
-  /// (k) [-] What sample k's ratio counts in an error, as force_difference() has it:
-  /// nothing below a tenth of the depth, less where the force is below a tenth of the
-  /// largest.
+  /// (k) [-] Weight of sample k's ratio in an error, as in force_difference(). The
+  /// weight is 0 below a tenth of the depth, and less where the force is below a tenth
+  /// of the largest.
   Eigen::VectorXd weight;
   /// [-] [0, 1] part of what it was made of that comes from presses with a hard path.
   double hard_share = 0.0;
 };
 
-/// Whether a path can be scaled, or divided by: at least two samples after the first
-/// touch, all numbers finite, force at each of them (above 1e-9 of the largest).
+/// Whether a path can be scaled, or divided by. It has at least two samples after the
+/// first touch, all numbers finite, and force at each sample (above 1e-9 of the
+/// largest).
 [[nodiscard]] bool is_guide(const Indentation& path);
 
 /// Of two presses on one mesh, so at the same depths: its errors are alike in both and

@@ -45,9 +45,9 @@ struct PressStrategy {
 };
 
 /// @param pressed vertices that a build presses. A mesh that they share is as fine as
-/// the contact wants only around them; with `refine = "auto"` it is chosen where its
-/// factor and columns cost less than a mesh for each group of neighbours, by
-/// expected_cpu_s().
+/// the contact wants only around them. `refine = "auto"` chooses the shared mesh by
+/// expected_cpu_s(): its factor and columns must cost less than a mesh for each group
+/// of neighbours.
 [[nodiscard]] PressStrategy choose_strategy(const Scene& scene, const BodySource& body,
                                             std::span<const std::int32_t> pressed);
 

@@ -26,33 +26,38 @@ struct PressFields {
   Eigen::MatrixXd field_m;         ///< (3 n_vertices x k)
 };
 
-/// @param model whose first nodes are the vertices. @param nodes pressed on it: of a
-/// nonlinear press with its state (PressMode::keep_states) the field is the solved one,
-/// else the linear body's under the pressures of the last sample. Presses without a
-/// contact are left out.
+/// Fields of the presses' surface displacement. A nonlinear press with its state
+/// (PressMode::keep_states) has the solved field. Any other press has the linear body's
+/// field under the pressures of the last sample. Presses without a contact are left
+/// out.
+/// @param model whose first nodes are the vertices.
+/// @param nodes pressed on the model.
 [[nodiscard]] PressFields press_fields(const BodyModel& model, Eigen::Index vertices,
                                        std::span<const PressedNode> nodes);
 
-/// The same of a part that is cut out of the body, linear: its own vertices as it moves
-/// in front of the coarse body, all others with the coarse body; at rest where `rest`
-/// is none. @param place (vertices) in the coarse body.
+/// The fields of a part that is cut out of the body, linear. The part's own vertices
+/// move as in front of the coarse body, all others with the coarse body. The other
+/// vertices are at rest where `rest` is none.
+/// @param place (vertices) in the coarse body.
 [[nodiscard]] PressFields part_fields(const ClampedPart& part, const CoarseBody* rest,
                                       std::span<const TetLocator::Place> place,
                                       Eigen::Index vertices,
                                       std::span<const PressedNode> nodes);
 
-/// Basis and coefficients of the fields: left singular vectors of the fields, each
-/// divided by its largest displacement, as many as are needed until no vertex of any
-/// field is off by more than `error_relative` of that field's largest displacement.
-/// Node, depth and, of the numbers as they are stored, the errors (L2 over vertices)
-/// with them. @param fields no column zero. @param error_relative (0, 1).
+/// Basis and coefficients of the fields. The basis has left singular vectors of the
+/// fields, each field divided by its largest displacement. The number of vectors is the
+/// least for an error of at most `error_relative` of a field's largest displacement, at
+/// any vertex of any field. Node, depth and the errors of the numbers as they are
+/// stored (L2 over vertices) are kept with them.
+/// @param fields no column zero. @param error_relative (0, 1).
 [[nodiscard]] DisplacementField compress_fields(const PressFields& fields,
                                                 double error_relative);
 
 /// Gives every tool's table the fields of its solved nodes, as the scene's [drawing]
-/// wants them. On a shared mesh of their own, made for this: one more factor, and the
-/// presses once more, nonlinear where the body is; on cut-outs where the strategy has
-/// them. @throws InputError where fields are too many to compute.
+/// wants them. The fields are solved on a shared mesh made for them, at the cost of one
+/// more factor and the presses once more. These presses are nonlinear where the body
+/// is, and on cut-outs where the strategy has cut-outs.
+/// @throws InputError where fields are too many to compute.
 void add_surface_fields(const Scene& scene, const BodySource& body,
                         const PressStrategy& strategy,
                         std::span<const std::int32_t> reachable,

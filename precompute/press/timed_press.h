@@ -1,4 +1,4 @@
-// Presses of a few nodes at several numbers of depths, each with its price: meshes,
+// Presses of a few nodes at several numbers of depths, each with its price. Meshes,
 // factors and compliances are made once, as they do not depend on depths.
 #pragma once
 
