@@ -35,8 +35,8 @@ namespace palpate {
 /// error_relative estimates what force_difference() measures, and is to be calibrated.
 /// It is the root of the sum of squares of:
 /// - the mesh's error: 0.55 of the larger of two differences. One is to the pressure on
-/// a mesh twice as coarse. The other is to a whole press on such a mesh, where there is
-/// one.
+///   a mesh twice as coarse. The other is to a whole press on such a mesh, where there
+///   is one;
 /// - what bears on the patch's edge;
 /// - what the line of the tilts misses;
 /// - the error of interpolation between depths;

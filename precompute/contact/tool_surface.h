@@ -115,7 +115,7 @@ struct PlacedTool {
 /// - sphere and capsule: min(R, sqrt(R d));
 /// - flat punch: R;
 /// - cone: the larger of (2 / pi) d tan(half-angle) (Sneddon 1965) and the radius of
-/// its tip's sphere;
+///   its tip's sphere;
 /// - mesh: the radius of a disc with the area of the tool's shadow at that depth.
 [[nodiscard]] double expected_contact_radius_m(const ToolShape& tool, double depth_m);
 

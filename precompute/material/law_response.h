@@ -20,8 +20,8 @@ enum class VolumeMeasure {
 
 /// Energy and its first two derivatives by the deformation gradient F.
 ///
-/// Where the law does not admit F (det F <= 0, or an energy past the largest double)
-/// the energy is +inf and stress and tangent are NaN: nobody can go on with them
+/// A law may not admit F: det F <= 0, or an energy past the largest double. The energy
+/// is then +inf and stress and tangent are NaN: no caller can go on with them
 /// unnoticed.
 struct LocalResponse {
   double energy_density = 0.0;  ///< [J/m^3] of rest volume

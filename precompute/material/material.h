@@ -19,8 +19,9 @@ namespace palpate {
 using Material = std::variant<Linear, StVenantKirchhoff, NeoHookean, MooneyRivlin,
                               Ogden, TransverselyIsotropic, FibreExponential>;
 
-/// The part of the energy taken at a point, everything but the volume term [J/m^3];
-/// +inf where the law does not admit F (det F <= 0 for the laws in Ibar or stretches).
+/// The part of the energy taken at a point, everything but the volume term [J/m^3]. It
+/// is +inf where the law does not admit F (det F <= 0 for the laws in Ibar or
+/// stretches).
 [[nodiscard]] double distortion_energy(const Material& material,
                                        const Eigen::Matrix3d& F);
 

@@ -13,9 +13,10 @@ struct TransverselyIsotropic {
   bool finite_strain = false;
 };
 
-/// What fixes C, with l along the fibre and t across it; strains from stresses:
-/// eps_l = s_l/E_l - nu_lt/E_l (s_t + s_t'), eps_t = -nu_lt/E_l s_l + (s_t - nu_tt
-/// s_t')/E_t.
+/// Moduli that fix C, with l along the fibre and t across it. Strains from stresses:
+///
+///   eps_l = s_l/E_l - nu_lt/E_l (s_t + s_t')
+///   eps_t = -nu_lt/E_l s_l + (s_t - nu_tt s_t')/E_t.
 struct TransverseModuli {
   double youngs_along_pa = 0.0;   ///< [Pa] E_l > 0
   double youngs_across_pa = 0.0;  ///< [Pa] E_t > 0
@@ -25,9 +26,12 @@ struct TransverseModuli {
 };
 
 /// Fibres in a soft matrix (Holzapfel, Gasser, Ogden 2000, one family, not dispersed):
-/// Psi = mu/2 (Ibar1 - 3) + k1/(2 k2) (exp(k2 <Ibar4 - 1>^2) - 1) + K/2 (J - 1)^2,
-/// Ibar4 = J^(-2/3) |F a0|^2. The fibres bear tension only, <x> = max(x, 0): the stress
-/// is continuous where they come under load, the tangent jumps there.
+///
+///   Psi = mu/2 (Ibar1 - 3) + k1/(2 k2) (exp(k2 <Ibar4 - 1>^2) - 1) + K/2 (J - 1)^2,
+///   Ibar4 = J^(-2/3) |F a0|^2.
+///
+/// The fibres bear tension only, <x> = max(x, 0). The stress is continuous where the
+/// fibres come under load; the tangent jumps there.
 struct FibreExponential {
   double shear_modulus_pa = 0.0;                     ///< [Pa] mu of the matrix > 0
   double bulk_modulus_pa = 0.0;                      ///< [Pa] K > 0

@@ -1,10 +1,11 @@
 // How the materials of a scene relax, and the elastic scene that stands for it.
 //
-// Correspondence principle: of a function of time F(t) let F(s) = s integral of
-// exp(-s t) F(t) dt at a real rate s > 0 (Laplace-Carson transform: roughly F at the
-// time 1 / s). The transform of a linear viscoelastic body's response to a sudden press
-// is the response of the elastic body whose moduli are the transforms of the relaxing
-// ones, which of 1 - sum g_k (1 - exp(-t / tau_k)) is 1 - sum g_k / (1 + s tau_k).
+// Correspondence principle. The Laplace-Carson transform of a function of time F(t) is
+// F(s) = s integral of exp(-s t) F(t) dt at a real rate s > 0. Roughly, F(s) is F at
+// the time 1 / s. The response of a linear viscoelastic body to a sudden press has a
+// transform. This transform is the response of the elastic body whose moduli are the
+// transforms of the relaxing ones. The transform of 1 - sum g_k (1 - exp(-t / tau_k))
+// is 1 - sum g_k / (1 + s tau_k).
 #pragma once
 
 #include <vector>
@@ -23,10 +24,10 @@ struct SceneSpectrum {
   [[nodiscard]] bool uniform() const { return !g.empty(); }
 };
 
-/// Of all materials: theirs where they agree and nothing stands on springs, which do
-/// not relax. Else four times in equal ratios, from the
-/// shortest to the longest over 1 - sum g of its material: a body of several materials
-/// relaxes with times between those in which each relaxes and those in which it creeps.
+/// Spectrum of all materials: theirs where they agree and nothing stands on springs,
+/// which do not relax. Else four times in equal ratios, from the shortest to the
+/// longest over 1 - sum g of its material. A body of several materials relaxes with
+/// times between those in which each relaxes and those in which it creeps.
 [[nodiscard]] SceneSpectrum spectrum_of(const Scene& scene);
 
 /// Rates at which a fit of relaxation looks [1/s]: six in equal ratios, from a fifth of

@@ -2,8 +2,8 @@
 //
 // Allocation-free; index 3 col + row for the entries of a 3 x 3 tensor
 // (law_response.h). Excess over the rest state is formed from H = F - 1, not as a
-// difference of large numbers, so that an energy of order |H|^2 keeps its digits: line
-// searches compare it.
+// difference of large numbers. So an energy of order |H|^2 keeps its digits, which line
+// searches compare.
 #pragma once
 
 #include <cmath>
@@ -90,9 +90,11 @@ inline LocalResponse inadmissible() {
           Tangent::Constant(kNan)};
 }
 
-/// Adds `weight` times stress and tangent of J^-p I, but for the term J^-p d2I/dF2:
+/// Adds `weight` times stress and tangent of J^-p I, but for the term J^-p d2I/dF2.
+///
 ///   d(J^-p I)/dF   = J^-p (I' - p I g),  g = cof F / J
 ///   d2(J^-p I)/dF2 = J^-p (I'' - p (I' g + g I') + p (p + 1) I g g - p I dcof/J)
+///
 /// @param scale J^-p. @param I the invariant. @param dI its derivative by F.
 inline void add_isochoric(const Eigen::Matrix3d& F, double J, double weight, double p,
                           double scale, double I, const Eigen::Matrix3d& dI,

@@ -3,9 +3,10 @@
 
 namespace palpate {
 
-/// From now on SIGINT and SIGTERM are noted, by a thread that waits for them, instead
-/// of ending the process; a second one ends it at once with exit code 130. To be called
-/// before this process has other threads: they take over that the signals are blocked.
+/// From now on a thread waits for SIGINT and SIGTERM and notes them; they do not end
+/// the process. A second signal ends the process at once with exit code 130. To be
+/// called before this process has other threads: they take over that the signals are
+/// blocked.
 /// @throws ResourceError if no thread can be started.
 void note_interrupts();
 

@@ -13,10 +13,11 @@ struct MemoryFiles {
   std::filesystem::path groups = "/sys/fs/cgroup";
 };
 
-/// What programs may still take without anything being swapped [bytes]: MemAvailable,
-/// or less where a control group that this process is in, or one around it, has a limit
-/// (version 1 or 2). What is used of a limit does not count pages of files that nobody
-/// has read twice: these are dropped first. The largest number where nothing is said.
+/// Memory that programs may still take without anything being swapped [bytes]. The
+/// value is MemAvailable, or less where a control group has a limit (version 1 or 2).
+/// Such a group is one that this process is in, or one around it. What is used of a
+/// limit does not count pages of files that nobody has read twice: these are dropped
+/// first. The largest number where nothing is said.
 [[nodiscard]] std::int64_t free_memory_bytes(const MemoryFiles& files = {});
 
 /// What this process could have if nothing else took any [bytes].
@@ -31,10 +32,11 @@ void require_free_memory(double bytes, double least_bytes, const std::string& wh
                          const std::string& advice, const MemoryFiles& files = {});
 
 /// Peak memory [bytes] of factorising a compact body in quadratic tets that grow
-/// inwards from a surface of so many triangles: rather too much, because too little
-/// ends in a killed build. Within 5 % of an organ of 5,120 and 20,480 triangles, a
-/// third more than cylinders of 3,000 to 15,000 need (tests/bench/factor_study.cc).
-/// Thin bodies take less, bodies of equal tets more.
+/// inwards from a surface of so many triangles. The value is rather too high, because
+/// too low a value ends in a killed build. It is within 5 % for an organ of 5,120 and
+/// 20,480 triangles. It is a third more than cylinders of 3,000 to 15,000 triangles
+/// need (tests/bench/factor_study.cc). Thin bodies take less, bodies of equal tets
+/// more.
 [[nodiscard]] double expected_memory_bytes(std::int64_t triangles);
 
 /// require_free_memory() of what a body of so many surface triangles is expected to

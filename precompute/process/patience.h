@@ -10,10 +10,11 @@ namespace palpate {
 /// meanwhile.
 inline constexpr double kMomentS = 20.0;
 
-/// Does the work, and again and again with pauses of up to five seconds while it throws
-/// ResourceError or std::bad_alloc, until so long after the first time.
+/// Does the work. While the work throws ResourceError or std::bad_alloc, it is repeated
+/// with pauses of up to five seconds, until patience_s after the first time.
 /// @param whose "its press", for the message of a bad_alloc.
-/// @throws ResourceError if it still fails so; Interrupted; what else the work throws.
+/// @throws ResourceError if the work still fails so; Interrupted; what else the work
+/// throws.
 void with_patience(double patience_s, const std::string& whose,
                    const std::function<void()>& work);
 

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// On a terminal one line that is written over, with rate and time left; otherwise
-/// plain lines, one per stage and one per tenth of it. Every call also looks for
+/// On a terminal one line that is written over, with rate and time left. Otherwise
+/// plain lines, one per stage and one per tenth of a stage. Every call also looks for
 /// Ctrl-C.
 class Progress {
  public:

@@ -1,8 +1,9 @@
 // Large arrays that are made and dropped over and over.
 //
 // A new array of many pages costs a page fault for each of them, and every fork copies
-// what maps them (run_in_child). These are kept for the next array of the same thread,
-// children do not see them, and the system may give them pages of two megabytes.
+// what maps the pages (run_in_child). Arrays of this kind are kept for the next array
+// of the same thread. Children do not see them, and the system may give them pages of
+// two megabytes.
 #pragma once
 
 #include <cstddef>

@@ -1,9 +1,9 @@
-// Runs a piece of work in a child process, so that whatever it does to the process -
-// abort, exit, exhaust the memory, never end - the caller goes on.
+// Runs a piece of work in a child process. So the caller goes on whatever the work does
+// to its process: abort, exit, exhaust the memory, never end.
 //
-// A process that forks writes to a copy of each page that it touches afterwards, and a
-// new child asks the system for each page anew. A child that has done its work waits
-// for more instead.
+// A process that forks writes to a copy of each page that it touches afterwards. A new
+// child asks the system for each page anew. A child that has done its work therefore
+// waits for more.
 #pragma once
 
 #include <cstddef>

@@ -18,9 +18,9 @@ inline constexpr double kAheadCounts = 0.2;
 /// [m/s] A hand that is slower rests: it waits for good answers where it is.
 inline constexpr double kRestingMPerS = 0.01;
 
-/// How little a point matters to a hand that keeps its velocity [m]: the least, over
-/// the way that it will go, of the point's distance to a place there plus kAheadCounts
-/// times the way to that place.
+/// How little a point matters to a hand that keeps its velocity [m]. Each place on the
+/// hand's way ahead counts with its distance to the point plus kAheadCounts times the
+/// way to the place. The least of these is the value.
 [[nodiscard]] double remoteness_m(const HandPlace& hand,
                                   const Eigen::Vector3d& point_m) noexcept;
 

@@ -14,8 +14,8 @@ namespace palpate {
 /// Elements over the contact are so many times larger than those of good answers.
 inline constexpr double kPreliminaryTimesCoarser = 2.0;
 
-/// What estimates of preliminary answers are multiplied by, chosen on a human liver so
-/// that the difference to good answers is within what is stated at 95 % of nodes or
+/// Factor on the estimates of preliminary answers, chosen on a human liver. With it the
+/// difference to full-accuracy solves is within the stated error at 95 % of nodes or
 /// more (tests/bench/MEASURED.md).
 inline constexpr double kPreliminaryErrorFactor = 3.0;
 

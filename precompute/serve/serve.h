@@ -24,13 +24,13 @@ struct ServeOptions {
   double patience_s = 600.0;  ///< [s] as BuildOptions
 };
 
-/// Returns when the database is whole and those who joined have been told. It has the
-/// bytes that build() gives. What is done is kept in OUTPUT.partial; a kill loses what
-/// is under way. Several services may share one output, each with a socket of its own:
-/// each unit is computed by one of them.
+/// Returns when the database is whole and those who joined have been notified. The
+/// database has the bytes that build() gives. What is done is kept in OUTPUT.partial; a
+/// kill loses what is under way. Several services may share one output, each with a
+/// socket of its own. Each unit is computed by one of them.
 /// @throws InputError if somebody listens at the socket, or what is there belongs to
-/// another scene; ResourceError if a build, not a service, works on the output; and as
-/// build(). Who has joined is told why.
+/// another scene. ResourceError if a build, not a service, works on the output; and as
+/// build(). Those who have joined receive the reason.
 void serve(const Scene& scene, const ServeOptions& options, Progress& progress);
 
 }  // namespace palpate

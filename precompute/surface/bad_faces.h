@@ -27,7 +27,7 @@ struct BadFace {
 [[nodiscard]] std::vector<BadFace> bad_faces(const SurfaceMesh& mesh);
 
 /// Writes the bad triangles, and no others, as a PLY file (text, metres) with the
-/// colours above and, per face, `fault` (the place in the list above, from 0) and
+/// colours above. Each face has `fault` (the place in the list above, from 0) and
 /// `triangle` (its number in the mesh, from 0).
 /// @throws InputError if the name does not end in .ply or the file cannot be written.
 void write_bad_faces(const SurfaceMesh& mesh, const std::vector<BadFace>& faces,

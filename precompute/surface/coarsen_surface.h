@@ -16,12 +16,12 @@ struct CoarsenedSurface {
   std::vector<std::int32_t> vertex;  ///< (kept) where the kept vertices are now
 };
 
-/// Collapses edges, keeping volume and shape (Lindstrom and Turk 1998), as long as none
-/// of the new edges is longer than wanted at its new end, and no triangle turns by more
-/// than 25 degrees. The result is closed and manifold as before; it may cross itself
+/// Collapses edges, keeping volume and shape (Lindstrom and Turk 1998). No new edge
+/// becomes longer than wanted at its new end, and no triangle turns by more than 25
+/// degrees. The result is closed and manifold as before. The result may cross itself
 /// where the body is thinner than the edges.
 /// @param surface closed, manifold. @param kept vertices that stay in their places.
-/// @param part which part of the surface a point belongs to; edges between different
+/// @param part which part of the surface a point belongs to. Edges between different
 /// parts stay, and a new point stays in the part of both old ones.
 [[nodiscard]] CoarsenedSurface coarsen_surface(
     const SurfaceMesh& surface, const EdgeLength& wanted,

@@ -7,17 +7,17 @@
 
 namespace palpate {
 
-/// The surface without walls inside it: sheets that end at edges of three triangles,
-/// as where two closed surfaces share faces, each listed once (clean_soup() takes out
-/// those listed twice). What shared them is one there. Whether a sheet lies inside is
-/// told by the winding number of the rest.
+/// The surface without walls inside it. A wall is a sheet that ends at edges of three
+/// triangles, as where two closed surfaces share faces, each listed once. (clean_soup()
+/// takes out faces listed twice.) Bodies that shared a wall are one body there. The
+/// winding number of the rest decides whether a sheet lies inside.
 /// @param walls gains the number of sheets taken out.
 [[nodiscard]] SurfaceMesh without_inner_walls(const SurfaceMesh& mesh,
                                               std::size_t& walls);
 
 /// Parts a closed surface where it touches itself in vertices, or in edges of four
-/// triangles or more: triangles with the body between them stay together, and what
-/// touched gets vertices of its own, a thousandth of an edge inside the body from the
+/// triangles or more. Triangles with the body between them stay together. Touching
+/// places get vertices of their own, a thousandth of an edge inside the body from the
 /// old place. Old vertices stay. An edge whose triangles do not face in and out by
 /// turns stays as it is, and so does a surface with a border.
 /// @param added gains the number of new vertices.

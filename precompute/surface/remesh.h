@@ -24,14 +24,14 @@ struct RemeshedSurface {
 
 /// Cuts, collapses and swaps edges until they are about edge_m long, and moves vertices
 /// along the surface (Botsch and Kobbelt 2004). Edges where the surface turns by more
-/// than 60 degrees stay, cut to length, where they make lines that span two new
-/// edges. Places where that makes the surface cross itself are cut out and filled
+/// than 60 degrees stay, cut to length, where they make lines that span two new edges.
+/// Places where that makes the surface cross itself are cut out and filled
 /// (repair_intersections.h). Done in a child process; the vertices are new.
 /// @param mesh a body (see check_surface). @param edge_m [m] > 0.
 /// @throws InputError if the surface is no body, or has specks, or more than about
-///   2,000,000 triangles would be made, or the body is thinner than the edges can
-///   follow: the result crosses itself, or has lost parts or more than 10 % of its
-///   volume.
+/// 2,000,000 triangles would be made. Also if the body is thinner than the edges can
+/// follow. The result then crosses itself, or has lost parts or more than 10 % of its
+/// volume.
 [[nodiscard]] RemeshedSurface remesh_surface(const SurfaceMesh& mesh, double edge_m);
 
 }  // namespace palpate

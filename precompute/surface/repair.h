@@ -45,22 +45,27 @@ struct RepairedSurface {
   RepairReport report;
 };
 
-/// kSafe welds vertices that are equal but for rounding; takes out collapsed, duplicate
-/// (double-sided) and degenerate triangles, vertices of no triangle, and specks
-/// (kSpeckShare), also of a surface that is accepted; makes neighbours agree on the
-/// outside; takes out walls inside, and parts what touches (glued_parts.h); joins
-/// coinciding borders; parts sheets that touch in a vertex; fills holes smaller than a
-/// tenth of the body; and cuts out triangles that cross others, with what that parts
-/// from the rest, and fills the holes between the vertices at their rims; turns what
-/// lies inside another part and faces as that does: a cavity. It is refused unless the
-/// result is a body of as many parts as before without specks, within 1 % of the
-/// diagonal from where it was, with 5 % of its volume, or, if it had none, 10 % of its
-/// area.
+/// kSafe repairs in these steps:
+/// - weld vertices that are equal but for rounding;
+/// - take out collapsed, duplicate (double-sided) and degenerate triangles;
+/// - take out vertices of no triangle, and specks (kSpeckShare), also of a surface that
+///   is accepted;
+/// - make neighbours agree on the outside;
+/// - take out walls inside, and part what touches (glued_parts.h);
+/// - join coinciding borders, and part sheets that touch in a vertex;
+/// - fill holes smaller than a tenth of the body;
+/// - cut out triangles that cross others, with what that parts from the rest, and fill
+///   the holes between the vertices at their rims;
+/// - turn what lies inside another part and faces as that part does: a cavity.
+///
+/// kSafe is refused unless the result is a body of as many parts as before without
+/// specks. The result must lie within 1 % of the diagonal from the old surface. It must
+/// have the old volume to 5 % or, if there was none, the old area to 10 %.
 ///
 /// kWrap closes every hole and lays a new surface around the old one (see
-/// wrap_surface.h), with openings of a hundredth and an offset of a two-thousandth of
-/// the diagonal; it is refused unless the result is a body that leaves out at most a
-/// tenth of what the old surface encloses (share_outside): where holes could not be
+/// wrap_surface.h). Openings are a hundredth, the offset a two-thousandth of the
+/// diagonal. kWrap is refused unless the result is a body that leaves out at most a
+/// tenth of what the old surface encloses (share_outside). Where holes could not be
 /// closed a wrap is a hollow shell.
 ///
 /// The work is done in a child process with limits of time and memory.

@@ -87,10 +87,10 @@ struct CheckedSurface {
 
 /// Looks for every defect. A closed part that is inside out is turned (its triangles'
 /// second and third corners change places; vertices stay) and counted. A part inside
-/// another is the wall of a cavity, and its outside the cavity; a part in a cavity is
-/// an island of the body. Where a cavity's wall faces as the part around it does, it
-/// might be an inclusion: it is turned, but a defect. Never throws for
-/// a defect. Self-intersections are decided with exact predicates (CGAL).
+/// another is the wall of a cavity, and its outside the cavity. A part in a cavity is
+/// an island of the body. A cavity's wall that faces as the part around it does might
+/// be an inclusion: it is turned, but a defect. Never throws for a defect.
+/// Self-intersections are decided with exact predicates (CGAL).
 [[nodiscard]] CheckedSurface check_surface(SurfaceMesh mesh);
 
 /// check_surface, for callers that need a body.

@@ -21,8 +21,8 @@ using SurfaceWork = SurfaceAndCounts (*)(const SurfaceMesh& mesh, double paramet
 /// What `work` returns, made in a child process of at most 600 s and 8 GB.
 /// @param what the start of the error's sentence, "repair".
 /// @throws NumericalError "<what>: ..." if the work threw, ran out of its limits, or
-///   took the child down; or if what it returned has no triangles, an index out of
-///   range or a coordinate that is not finite.
+/// took the child down. Also if the returned surface has no triangles, an index out of
+/// range or a coordinate that is not finite.
 [[nodiscard]] SurfaceAndCounts surface_in_child(std::string_view what, SurfaceWork work,
                                                 const SurfaceMesh& mesh,
                                                 double parameter);

@@ -33,8 +33,8 @@ inline constexpr double kSpeckShare = 1e-3;
 [[nodiscard]] SurfaceMesh of_triangles(const SurfaceMesh& mesh,
                                        std::vector<Eigen::Index> triangle);
 
-/// The part as a surface of its own, three vertices to a triangle: in a time that goes
-/// with the part, where of_triangles() takes one that goes with the mesh.
+/// The part as a surface of its own, three vertices to a triangle. The time grows with
+/// the part; the time of of_triangles() grows with the mesh.
 [[nodiscard]] SurfaceMesh part_mesh(const SurfaceMesh& mesh, const SurfacePart& part);
 
 }  // namespace palpate

@@ -18,9 +18,10 @@ struct SoupChanges {
   std::size_t isolated_vertices = 0;  ///< of no triangle, after all that
 };
 
-/// The surface with vertices that are equal but for single precision's rounding
-/// (weld_points.h, and a hundredth of the mean edge at most) as one, no triangle twice,
-/// and no vertex without a triangle. Vertices and triangles that stay keep their order.
+/// The surface with equal vertices as one, no triangle twice, and no vertex without a
+/// triangle. Vertices are equal to single precision's rounding (weld_points.h, and a
+/// hundredth of the mean edge at most). Vertices and triangles that stay keep their
+/// order.
 [[nodiscard]] SurfaceMesh clean_soup(const SurfaceMesh& mesh, SoupChanges& changes);
 
 /// Index in `original` of the vertex that lies where each vertex of `mesh` does, bit

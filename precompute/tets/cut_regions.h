@@ -16,18 +16,23 @@ struct FilledBody {
 };
 
 /// Cuts tets and the triangles on their boundary along the inner surfaces that are
-/// `cut`, so that every tet has one region: that of the smallest of these around it
-/// (by volume; a layer is larger than any of them, and than a deeper layer smaller). No
-/// wall is meshed before, so that faces may be shared: with the outer surface or with
-/// each other, coinciding to a five-hundredth of the outer surface's diagonal or a
-/// fifth of the part's thickness, whichever is less. What lies outside is left out.
+/// `cut`, so that every tet has one region. The region is that of the smallest of these
+/// surfaces around the tet, by volume. A layer counts as larger than any of them, and
+/// as smaller than a deeper layer.
 ///
-/// Old vertices of the surface stay first, and in place; new ones on old edges follow.
-/// A wall that would pass an inner vertex by less than a tenth of an edge goes through
-/// it, which is moved onto the wall; one that passes another vertex by less than a
-/// fiftieth goes through it, too. A wall is flat in each tet: where it is curved or has
-/// an edge, that is cut off. In the depth tets are large, whatever the surface's edges:
-/// a layer's inner edges there cost 9 % of its volume, and 2 % with edges of a quarter
+/// No wall is meshed before, so that faces may be shared with the outer surface or
+/// between inner surfaces. Shared faces coincide to a five-hundredth of the outer
+/// surface's diagonal or a fifth of the part's thickness, whichever is less. What lies
+/// outside is left out.
+///
+/// Old vertices of the surface stay first, and in place; new vertices on old edges
+/// follow. A wall that would pass an inner vertex by less than a tenth of an edge goes
+/// through the vertex. The vertex is moved onto the wall. A wall that passes another
+/// vertex by less than a fiftieth goes through that vertex, too.
+///
+/// A wall is flat in each tet: where it is curved or has an edge, that is cut off. In
+/// the depth tets are large, whatever the surface's edges. A layer's inner edges there
+/// cost 9 % of its volume, and 2 % with edges of a quarter
 /// (tests/precompute/tets/cut_regions_test.cc). A part that is thinner than the tets
 /// may be missed where no vertex lies in it. Surfaces that keep a gap, however small,
 /// do not touch.

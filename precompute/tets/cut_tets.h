@@ -13,8 +13,9 @@
 namespace palpate {
 
 /// Tets and the triangles that bound them, cut along one wall after another. Tets stay
-/// positive, triangles stay faces, and neighbours stay conforming: a piece is made of
-/// tets about its vertex of the lowest number, and so is each of its faces.
+/// positive, triangles stay faces, and neighbours stay conforming. For this a piece,
+/// and each of its faces, is made of tets or triangles about its vertex of the lowest
+/// number.
 class CutTets {
  public:
   using In = std::function<bool(const Eigen::Vector3d& p_m)>;

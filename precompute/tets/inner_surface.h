@@ -30,10 +30,10 @@ void mark_cut(const SurfaceMesh& outer, std::span<InnerSurface> inner);
 [[nodiscard]] std::string inner_surface_name(std::span<const InnerSurface> inner,
                                              std::size_t i);
 
-/// The inner surfaces, those that were inside out turned. Those to be `cut` are passed
-/// over. Each of the others must bound a body, lie strictly inside the outer surface,
-/// and neither touch nor cross the outer one or another; one inside another is welcome,
-/// unless the other is a cavity.
+/// The inner surfaces, with those that were inside out turned. Surfaces to be `cut` are
+/// passed over. Each other surface must bound a body, lie strictly inside the outer
+/// surface, and neither touch nor cross the outer one or another. One inside another is
+/// permitted, unless the other is a cavity.
 /// @param outer counter-clockwise from outside, as check_surface() gives it.
 /// @throws InputError naming the surface, and what is wrong with it where.
 [[nodiscard]] std::vector<InnerSurface> check_inner_surfaces(

@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// A line if a triangle has an angle below 5 degrees: the tets at it will be poor too,
-/// for the mesher leaves the surface as it is. A line if it has more than 150,000
-/// triangles: with the edge that makes 30,000. Empty for a refused surface.
+/// A line if a triangle has an angle below 5 degrees. The tets at it will be poor too,
+/// for the mesher leaves the surface as it is. A line if the surface has more than
+/// 150,000 triangles, with the edge that makes 30,000. Empty for a refused surface.
 [[nodiscard]] std::vector<std::string> quality_notes(const SurfaceReport& report);
 
 /// A line if a tet has a dihedral angle below 1 degree.

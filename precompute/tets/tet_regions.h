@@ -19,12 +19,14 @@ struct TetRegions {
   std::vector<std::int32_t> around;
 };
 
-/// No point is located: a tet that lies behind a triangle of surface i is inside it,
-/// and so is every tet that is reached from there without passing through a surface.
-/// @param tet positive tets. @param inner (n_triangles x 3) each, vertex indices of the
-///   tets, counter-clockwise from outside, surfaces disjoint.
+/// No point is located. A tet that lies behind a triangle of surface i is inside the
+/// surface. So is every tet that is reached from there without passing through a
+/// surface.
+/// @param tet positive tets.
+/// @param inner (n_triangles x 3) each, vertex indices of the tets, counter-clockwise
+/// from outside, surfaces disjoint.
 /// @throws NumericalError if a triangle is not a face of two tets, or if a region would
-///   be inside two surfaces at once.
+/// be inside two surfaces at once.
 [[nodiscard]] TetRegions tet_regions(const Tets& tet, std::span<const Triangles> inner);
 
 /// Faces of one tet only: the boundary. (n x 3) corners ascending, rows ascending.
@@ -33,8 +35,9 @@ struct TetRegions {
 /// The triangles with corners ascending, rows ascending, to compare with the above.
 [[nodiscard]] Triangles sorted_faces(const Triangles& triangle);
 
-/// Takes away the tets of the regions that are `hollow` (n_regions), and the vertices
-/// from `kept_vertices` on that belong to no tet any more; the others keep their order.
+/// Takes away the tets of the regions that are `hollow` (n_regions). Also takes away
+/// the vertices from `kept_vertices` on that belong to no tet any more. Other tets and
+/// vertices keep their order.
 void remove_regions(std::span<const bool> hollow, Eigen::Index kept_vertices,
                     TetMesh& mesh);
 

@@ -57,8 +57,9 @@ struct TetOptions {
 /// @throws InputError if the options are out of range, the estimate is above tets_max,
 ///   or an inner surface is refused (see check_inner_surfaces()).
 /// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the
-///   check of the result that failed (volume of a region to 1e-6, vertices, faces), the
-///   surface's poorest triangle and what can be done about it.
+///   check of the result that failed. The checks are those of a region's volume to
+///   1e-6, vertices and faces. The error also names the surface's poorest triangle and
+///   what can be done about it.
 [[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface,
                                      const TetOptions& options = {},
                                      std::span<const InnerSurface> inner = {});

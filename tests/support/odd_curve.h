@@ -1,12 +1,14 @@
 // Curves that no law follows, by chance: what load cells below their resolution, empty
 // presses, switches, stuck stages and broken exports write.
 //
-// A curve is a way of the tool (ramp, staircase, press and hold, press and release, two
-// presses, reversed, still, to and fro between two depths, each depth several times, by
-// chance) times a force (nothing, one value, flicker, steps, plateaus, a law in steps
-// of a sensor, a dome, a fall, chance), with readings that are wild or no numbers, far
-// from zero, in units from far too small to far too large, at times that rise, stand,
-// jump or run backwards.
+// A curve is a way of the tool times a force, both by chance:
+// - ways: ramp, staircase, press and hold, press and release, two presses, reversed,
+//   still, to and fro between two depths, each depth several times, by chance;
+// - forces: nothing, one value, flicker, steps, plateaus, a law in steps of a sensor, a
+//   dome, a fall, chance.
+//
+// Some readings are wild or no numbers, or far from zero. Units are from far too small
+// to far too large. Times rise, stand, jump or run backwards.
 #pragma once
 
 #include <algorithm>

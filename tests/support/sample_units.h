@@ -11,8 +11,8 @@ namespace palpate {
 /// value of its own.
 [[nodiscard]] JobDescription sample_plan();
 
-/// Unit 0 solves vertices 0 and 1 and interpolates 2, over the budget; unit 1 solves 3
-/// in part and fails at 4; unit 2 checks vertex 0: forces are 1.1 times unit 0's.
+/// Unit 0 solves vertices 0 and 1 and interpolates 2, over the budget. Unit 1 solves 3
+/// in part and fails at 4. Unit 2 checks vertex 0: forces are 1.1 times unit 0's.
 [[nodiscard]] std::vector<WorkUnitOutcome> sample_units();
 
 }  // namespace palpate

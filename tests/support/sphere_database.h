@@ -7,9 +7,10 @@
 
 namespace palpate {
 
-/// A sphere of radius 0.1 m with 2 + 2 rings^2 nodes on rings of latitude, and
-/// responses k d^1.5 whose stiffness varies smoothly over it: two poles, `rings` rings
-/// of 2 * rings nodes. @param samples per curve, to 5 mm.
+/// A sphere of radius 0.1 m with 2 + 2 rings^2 nodes: two poles, `rings` rings of
+/// latitude of 2 * rings nodes. Responses are k d^1.5, with a stiffness that varies
+/// smoothly over the sphere.
+/// @param samples per curve, to 5 mm.
 [[nodiscard]] ResponseDatabase sphere_database(std::int32_t rings, int samples);
 
 }  // namespace palpate

@@ -14,10 +14,9 @@ inline constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 [[nodiscard]] SurfaceMesh ellipsoid(const Eigen::Vector3d& half_axes_m, int levels);
 
 /// Block [-w, w] x [-w, w] x [-depth, 0], w = half_width_m, for contact studies. The
-/// top is finest around its middle, which is vertex 0: a square grid of `cells` x
-/// `cells` on
-/// [-inner, inner]^2 and square rings outside it that grow by about 1 + 2/cells each,
-/// so that every triangle is as well shaped as the inner ones.
+/// top is finest around its middle, which is vertex 0. There is a square grid of
+/// `cells` x `cells` on [-inner, inner]^2. Square rings outside the grid grow by about
+/// 1 + 2/cells each, so that every triangle is as well shaped as the inner ones.
 /// @param cells even, >= 2. @param inner_half_m in (0, half_width_m).
 [[nodiscard]] SurfaceMesh graded_block(double half_width_m, double depth_m,
                                        double inner_half_m, int cells);
