@@ -31,9 +31,9 @@ void set_constant(Scene& scene, const std::string& name, double value);
 /// the tool's way.
 ///
 /// The sweep's error is the largest relative difference from presses on meshes twice as
-/// fine. It is taken at the middle of the grid, from a tenth of D on. With forces whose
-/// error falls as the square of an edge, the difference is three quarters of the error.
-/// With the first power, the difference is a half of the error.
+/// fine. The difference is taken at the middle of the grid, from a tenth of D on. With
+/// forces whose error falls as the square of an edge, the difference is three quarters
+/// of the error. With the first power, the difference is a half of the error.
 /// @throws InputError as set_constant, read_body.
 /// @throws NumericalError naming the vertex and the values of a press that failed or
 /// met nothing.

@@ -52,8 +52,8 @@ struct ContactState {
 
 /// Deflection [m] of the springs that carry what the multipliers lack. Springs act
 /// along normals and, where nodes are tied, across the normals too. The deflection is
-/// the mean weighted by forces, as a share of the whole pressure. A tool that much
-/// higher or lower would feel the same force.
+/// the mean weighted by forces, as a share of the whole pressure. The hand would feel
+/// the same force from a tool that much higher or lower.
 [[nodiscard]] double spring_give_m(const ContactState& contact,
                                    const Multipliers& multipliers);
 

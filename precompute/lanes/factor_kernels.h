@@ -59,7 +59,7 @@ struct FactorKernels {
 
   /// Forward elimination of right-hand sides that stand below a factorised supernode as
   /// rows of it. Y is (rows x m), with L's rows as columns. Y's first k columns become
-  /// Y L11'^-1; the others become less by the product of these with L21'.
+  /// Y L11'^-1; the product of these with L21' is subtracted from the others.
   /// @param work as product_work() of rows, m and k.
   void (*eliminate)(std::ptrdiff_t rows, std::ptrdiff_t m, std::ptrdiff_t k,
                     const double* L, std::ptrdiff_t ld, double* Y, std::ptrdiff_t ldy,

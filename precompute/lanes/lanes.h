@@ -22,8 +22,9 @@ namespace palpate::lanes {
 
 constexpr std::ptrdiff_t kWidth = 8;
 
-// Doubles that one register holds, and the size of a kernel's tile of sums: rows or
-// columns, and vectors of eight in each. So the tile stays in registers.
+// Doubles that one register holds, and the size of a kernel's tile of sums. The tile
+// stays in registers: it has kTileLanes vectors of eight in each of kTileOthers rows or
+// columns.
 #if defined(__AVX512F__)
 constexpr int kRegister = 8;
 constexpr int kTileLanes = 3;

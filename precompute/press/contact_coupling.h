@@ -42,9 +42,9 @@ constexpr double kClosestInRadii = 1.8;
 /// Table of a linear body for vertices that are pressed and those that share a triangle
 /// with them; rows of others are 0. Each row takes one solve: displacements for 1 N of
 /// the smallest tool's contact there (contact_spot.h). Displacements times distance are
-/// averaged by area over the surface around the pressed vertices. The bins overlap like
-/// hats between neighbouring distances. Bins with hardly any surface have the mean of
-/// the other vertices' bins.
+/// averaged by area over the surface around the pressed vertices, in bins. The bins
+/// overlap like hats between neighbouring distances. Bins with hardly any surface have
+/// the mean of the other vertices' bins.
 /// @param model of small strains: of a nonlinear body its linear one.
 /// @param vertices that are pressed, ascending.
 [[nodiscard]] ComplianceTable coupling_table(const Scene& scene, const BodySource& body,

@@ -15,7 +15,7 @@ namespace palpate {
 /// the knots beside it. The deviation is scaled to the middle of the longer of the two
 /// intervals between these knots. The largest scaled deviation of all is taken. Between
 /// two samples in a row nothing is interpolated. The estimate is no bound: for powers
-/// of 1.5 to 4 of the depth the error is 0.2 to 5 times the estimate
+/// of 1.5 to 4 of the depth the estimate is 0.2 to 5 times the error
 /// (tests/precompute/press/interpolation_error_test.cc).
 /// @param path linear, from the first touch to the last knot.
 /// @param knots (k >= 1) at samples of the path: nonlinear minus linear force, over the

@@ -10,9 +10,9 @@ namespace palpate {
 /// How many samples of a path are solved nonlinear, unless a few do not tell the rest.
 [[nodiscard]] int nonlinear_depths(const SceneAccuracy& wanted);
 
-/// Options as exact as the scene's budget needs. Three errors may each take a part of
-/// it: what the far field's laws add, depths that are not solved, and pressures that
-/// springs carry.
+/// Options as exact as the scene's budget needs. Three errors may take a part of the
+/// budget: what the far field's laws add, depths that are not solved, and pressures
+/// that springs carry.
 [[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
                                                  const SharedTool& tool);
 

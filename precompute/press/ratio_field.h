@@ -101,9 +101,10 @@ class RatioModel {
   [[nodiscard]] PathRatio from_others(std::int32_t vertex,
                                       const Indentation& linear) const;
 
-  /// Error of force [-] that is expected at a vertex if the vertex takes this ratio. It
-  /// is kExpectedDeviations of a field as rough as around the vertex, or as everywhere,
-  /// whichever is more. Presses nearby without a usable ratio raise the error.
+  /// Error of force [-] that is expected at a vertex if the vertex takes this ratio.
+  /// The error is kExpectedDeviations of a field as rough as around the vertex, or as
+  /// everywhere, whichever is more. Presses nearby without a usable ratio raise the
+  /// error.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& linear) const;
 
   /// Error [-] of every known ratio as the others predict it, in the order of

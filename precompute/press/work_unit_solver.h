@@ -24,9 +24,10 @@ inline constexpr double kNonlinearCheckTimesFiner = 1.5;
                                        const SurfacePoint& place);
 
 /// Full presses that an interpolation cluster of so many vertices will probably need at
-/// a budget [-]. About a third of the vertices; all of a small cluster. Measured to 5 %
-/// (MEASURED.md): a gel cylinder needs 0.40 of its vertices, an organ of neo-Hookean
-/// material 0.32. Bodies whose forces change more from place to place need more.
+/// a budget [-]. About a third of the vertices; all of a small cluster. Measured at a
+/// budget of 5 % (MEASURED.md): a gel cylinder needs 0.40 of its vertices, an organ of
+/// neo-Hookean material 0.32. Bodies whose forces change more from place to place need
+/// more.
 [[nodiscard]] std::size_t expected_samples(std::size_t vertices, double force_relative);
 
 /// Either a territory: neighbouring vertices that are answered together, some solved,

@@ -15,8 +15,8 @@
 namespace palpate {
 
 /// A claim is a file that its owner touches again and again. A claim that nobody has
-/// touched for `stale` is of a service that is gone, and anybody's. Claims of this
-/// machine's services are so as soon as their process has ended. Two services may
+/// touched for `stale` is of a service that is gone, and anybody's. A claim of this
+/// machine's services is anybody's as soon as their process has ended. Two services may
 /// compute the same unit at once after all: their results have the same bytes. So a
 /// claim saves work and nothing depends on it. Safe from several threads.
 class UnitClaims {

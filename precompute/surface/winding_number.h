@@ -16,10 +16,10 @@ namespace palpate {
 
 /// [-] Of the space that the one surface encloses, the share that is outside of the
 /// other. A point is inside where the winding number's size is a half or more. This
-/// also decides where a surface has holes (Jacobson, Kavan and Sorkine-Hornung 2013).
-/// The share is counted by 200 points inside, to 0.03. There are fewer points where
-/// less than a hundredth of the bounding box is enclosed; the share is 1 where next to
-/// nothing is.
+/// criterion also separates inside from outside where a surface has holes (Jacobson,
+/// Kavan and Sorkine-Hornung 2013). The share is counted by 200 points inside, to 0.03.
+/// There are fewer points where less than a hundredth of the bounding box is enclosed;
+/// the share is 1 where next to nothing is.
 [[nodiscard]] double share_outside(const SurfaceMesh& mesh, const SurfaceMesh& of);
 
 }  // namespace palpate
