@@ -28,8 +28,8 @@ struct TetOptions {
   double time_limit_s = 600.0;        ///< [s] (0, inf)
   std::size_t memory_limit_bytes = 8'000'000'000;
   /// On top of edge_max_m: a tet is no larger than the regular one of the edge wanted
-  /// at its centre, but for those that a coarse surface triangle holds up and, by a
-  /// little, those swapped against slivers. nullptr: no wish.
+  /// at its centre. Exceptions are tets that a coarse surface triangle holds up and, by
+  /// a little, tets swapped against slivers. nullptr: no wish.
   EdgeWish size = nullptr;
   std::array<double, 5> size_parameter{};
 };
@@ -44,16 +44,17 @@ struct TetOptions {
 /// because it can abort, exit or run away; same input, same result. Several disjoint
 /// parts are all filled.
 ///
-/// Where TetGen dies or gives up, or what it made does not pass the checks, it is tried
-/// again: without improving tets, with vertices moved by 1e-9 and 1e-7 of the extent
-/// while tets are made (and put back: bit for bit as before), and without grading. The
-/// first result that passes is taken; in a failure the first reason is named.
+/// If TetGen dies or gives up, or its result does not pass the checks, TetGen is
+/// tried again. The retries go without improving tets, with vertices moved by 1e-9 and
+/// 1e-7 of the extent while tets are made, and without grading. Moved vertices are put
+/// back: bit for bit as before. The first result that passes is taken; in a failure the
+/// first reason is named.
 ///
-/// Inner surfaces part the tets into regions, see TetMesh::region: each of their
-/// triangles is a face between two tets, or on the boundary if the surface is a cavity,
-/// which holds no tets but those of the outer surface's parts in it. Vertices: those of
-/// the surface, those of inner[0], inner[1] and so on, all bit for bit, then new ones
-/// that lie off the surfaces.
+/// Inner surfaces part the tets into regions, see TetMesh::region. Each of their
+/// triangles is a face between two tets, or on the boundary if the surface is a cavity.
+/// A cavity holds no tets but those of the outer surface's parts in it. Vertices: those
+/// of the surface, those of inner[0], inner[1] and so on, all bit for bit, then new
+/// ones that lie off the surfaces.
 /// @throws InputError if the options are out of range, the estimate is above tets_max,
 ///   or an inner surface is refused (see check_inner_surfaces()).
 /// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the
