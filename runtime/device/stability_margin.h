@@ -9,9 +9,9 @@
 namespace palpate {
 
 /// The stiffest thing that a table can make the device feel. Slopes below zero need no
-/// bound: a force that is held while the tool moves by dx differs from that of the
-/// potential by m dx^2 / 2 of work, which for m < 0 the tick takes. A tool that such a
-/// curve lets snap through gets back what it put in, no more.
+/// bound. A force that is held while the tool moves by dx differs from that of the
+/// potential by m dx^2 / 2 of work. For m < 0 the tick takes that work. A tool that
+/// such a curve lets snap through gets back what it put in, no more.
 struct RenderedStiffness {
   double normal_n_per_m = 0.0;  ///< [N/m] largest slope of any curve, or of the field
   std::int64_t node = -1;       ///< where; -1 without curves

@@ -3,10 +3,10 @@
 //
 // While the tool moves through elements at hand, nothing changes but the tool's place.
 // The field is one function of that place, the work is U(x_{k+1}) - U(x_k), and the
-// ledger has nothing to pay. The ledger has to pay where the field itself changes: a
-// late neighbour, a fold of the coordinates, another sheet of the body after a leap.
-// Then what was rendered until that tick is, to first order in the tangent plane and
-// exactly along the normal,
+// ledger has nothing to pay. The ledger has to pay where the field itself changes.
+// Causes are a late neighbour, a fold of the coordinates, and another sheet of the body
+// after a leap. Then what was rendered until that tick is, to first order in the
+// tangent plane and exactly along the normal,
 //
 //   E(x) = max(0, sum_j w_j E_j(c_j (d - grad s . (x - x_k) - t_j - delta_0))
 //                 - F_t . (x - x_k))

@@ -33,8 +33,8 @@ class ServedNews {
   ///   {"type": "answers", "node": [..], "stiffness": [..], "good": [0 or 1, ..],
   ///    "low_n_per_m": .., "high_n_per_m": .., "force_max_n": ..}
   ///
-  /// stiffness [N/m] as the map's (surface_map.h), null for an answer of no response;
-  /// the range is that of all answers so far, and the largest force.
+  /// stiffness [N/m] is as the map's (surface_map.h), null for an answer of no
+  /// response. The range, and the largest force, are those of all answers so far.
   [[nodiscard]] std::optional<std::string> answers(ViewClient page,
                                                    std::int64_t now_ns);
   void forget(ViewClient page) { page_.erase(page); }
