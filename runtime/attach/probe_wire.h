@@ -1,5 +1,5 @@
-// The exchanges of a probe, within its limits: never more than its largest force, an
-// end where the tool runs away or the person wants one.
+// The exchanges of a probe, within its limits. The force is never more than its
+// largest, and the probe ends where the tool runs away or the person wants an end.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Haply's Inverse service without Haply: a WebSocket server with the mechanism's
 // dynamics and the hand that holds it, in a thread of its own. It answers every message
-// with one state, says what happens to its device on its events port, and can do
+// with one state and says on its events port what happens to its device. It can do
 // everything wrong that a driver must survive.
 #pragma once
 
