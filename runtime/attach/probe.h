@@ -63,7 +63,7 @@ struct ProbedAxis {
   double delay_resolution_s = 0.0;
   std::vector<std::vector<ProbeSample>> push{};  ///< as measured
 
-  /// A delay that can be told from none.
+  /// A delay that can be distinguished from none.
   [[nodiscard]] bool has_delay() const noexcept { return delay_s > delay_resolution_s; }
 };
 

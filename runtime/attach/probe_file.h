@@ -31,7 +31,7 @@ void write_probe(const std::filesystem::path& file, const ProbeReport& report);
 /// deviations, the delay is more by its resolution. The step is the coarser one, and
 /// forces are held for an exchange.
 /// @param assumed for what was not found: the largest force, a damping that cannot be
-/// told from none; and, where they are worse, for axes_not_found().
+/// distinguished from none; and, where they are worse, for axes_not_found().
 [[nodiscard]] DeviceLimits probed_limits(const ProbeReport& report,
                                          const DeviceLimits& assumed);
 

@@ -14,7 +14,8 @@ namespace palpate {
 /// one axis, that of begin_pushing(); x before.
 class ProbeWire {
  public:
-  /// All must outlive it. @param planned_s [s] of the whole probe, for who is told.
+  /// All must outlive it. @param planned_s [s] of the whole probe, for the report to
+  /// the person.
   ProbeWire(DeviceLink& link, const ProbeOptions& options, const ProbeGuide& guide,
             Clock& clock, double planned_s)
       : link_(link),

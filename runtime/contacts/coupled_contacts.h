@@ -15,8 +15,8 @@
 // not overlap (two on a half-space: more than 2 a / pi apart).
 //
 // The equations are solved for delta, because a curve's inverse has an infinite slope
-// where the curve is touched. With g = delta + C f - d, D = diag(sqrt(k)) and S = 1 + D
-// C D,
+// where the curve is touched. With g = delta + C f - d, D = diag(sqrt(k)) and
+// S = 1 + D C D,
 //
 //   y = -D S^-1 D g,     change of delta = -g - C y,
 //

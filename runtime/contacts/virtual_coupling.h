@@ -2,7 +2,7 @@
 // actuate fewer axes than they sense, or by choice.
 //
 // The tool body has mass m, inertia J in its frame, pose p, R, velocity v, and spin W
-// in its frame. It is held at the device's pose (p_d, R_d) by
+// in its frame. The body is held at the device's pose (p_d, R_d) by
 //
 //   U_c = k_t |p - p_d|^2 / 2 + k_r (3 - tr R_d^T R) / 2
 //

@@ -16,11 +16,11 @@
 namespace palpate {
 
 /// The protocol (SOCKET.md beside this file has it for drivers in other languages):
-/// datagrams in order (SOCK_SEQPACKET), host byte order, told apart by their size. The
-/// driver process sends one hello, then a state whenever it has measured one, with its
-/// orientation where its hello was kTurnedHello. The renderer sends commands. A command
-/// acts until the next. The driver ends when the socket does, and puts the force to
-/// zero if the last command did not. Before it ends by itself it may say why.
+/// datagrams in order (SOCK_SEQPACKET), host byte order, distinguished by their size.
+/// The driver process sends one hello, then a state whenever it has measured one, with
+/// its orientation where its hello was kTurnedHello. The renderer sends commands. A
+/// command acts until the next. The driver ends when the socket does, and puts the
+/// force to zero if the last command did not. Before it ends by itself it may say why.
 constexpr std::array<char, 8> kHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '2'};
 constexpr std::array<char, 8> kTurnedHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '3'};
 

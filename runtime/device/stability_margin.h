@@ -19,7 +19,7 @@ struct RenderedStiffness {
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
   /// [N/m] at the border of the reach, where the field falls to nothing within an
-  /// element; 0: not known. Told, not demanded.
+  /// element; 0: not known. Stated, not demanded.
   double border_n_per_m = 0.0;
 
   /// The first two act at right angles, so the larger bounds the Jacobian of the force.

@@ -101,7 +101,7 @@ void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
                                           PrismFrame& frame) noexcept;
 
 /// Gradient at the frame's point [per m] of a function with these derivatives by n_1,
-/// n_2 (n_0 giving way) and s [m].
+/// n_2 (n_0 compensating) and s [m].
 [[nodiscard]] Vector3 gradient(const PrismFrame& frame, Real by_n1, Real by_n2,
                                Real by_s_per_m) noexcept;
 

@@ -1,11 +1,12 @@
 // Time passes for a contact with a surface that remembers, and for its account.
 //
-// Proof that relaxing creates nothing. The dent stores V = sum g_k
-// U*(q_k) - U*(s) >= 0, and u + V = min over d_c >= y of [U(d_c) - s d_c] + sum g_k
-// U*(q_k). With p_0 = max(p(y), s) of its beginning held through a step, every term g_k
-// (U*(q_k) - d_c q_k) is convex. Its least value is at q_k = p_0, and q_k moves towards
-// p_0. So u + V falls at a fixed place for a step of any length. Hence the potential
-// rises by no more than V falls. The account gives the dent at most what V is
+// Proof that relaxing creates nothing. The dent stores
+// V = sum g_k U*(q_k) - U*(s) >= 0, and
+// u + V = min over d_c >= y of [U(d_c) - s d_c] + sum g_k U*(q_k).
+// With p_0 = max(p(y), s) of its beginning held through a step, every term
+// g_k (U*(q_k) - d_c q_k) is convex. Its least value is at q_k = p_0, and q_k moves
+// towards p_0. So u + V falls at a fixed place for a step of any length. Hence the
+// potential rises by no more than V falls. The account gives the dent at most what V is
 // (passivity_ledger.h), and pays for the rise. The account is short only where the tool
 // has slid to a place whose dent stores more than was put into it. Then the step is
 // shortened.

@@ -4,7 +4,7 @@
 // outlives the elements that read it. Only touched sites take a row here. The rows of a
 // site lie in one of several sets by its number, so finding a row is bounded work. A
 // body with no more sites than rows never loses a site. When a set is full, the site
-// that remembers least gives way: its dent is forgotten while nobody touches it.
+// that remembers least makes room: its dent is forgotten while nobody touches it.
 #pragma once
 
 #include <array>

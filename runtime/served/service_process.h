@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Where the database of a served scene goes unless told otherwise: "NAME.h5" in the
+/// Where the database of a served scene goes unless stated otherwise: "NAME.h5" in the
 /// present folder, as `palpate-precompute serve` has it.
 [[nodiscard]] std::filesystem::path served_output(const std::filesystem::path& scene);
 

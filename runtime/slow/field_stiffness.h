@@ -1,8 +1,8 @@
 // How stiff the field between nodes is.
 //
 // A force that is held while the tool moves by dx gives a hand more than the potential
-// falls by, dx . H dx / 2 with H the Hessian of U (potential_field.h): the K of K
-// dx^2 / 2 is H's largest eigenvalue. On a node's line it is the slope of the node's
+// falls by, dx . H dx / 2 with H the Hessian of U (potential_field.h): the K of
+// K dx^2 / 2 is H's largest eigenvalue. On a node's line it is the slope of the node's
 // curve. Between nodes the eigenvalue may be larger. There energies, forces and slopes
 // of neighbours may belong to no one smooth energy, as with noise or errors of their
 // own. Then the field bends to meet them all.

@@ -1,5 +1,5 @@
 // The application behind the live view's server: who may steer, what is simulated when,
-// and what every page is told.
+// and what is reported to every page.
 #pragma once
 
 #include <cstdint>

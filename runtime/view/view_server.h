@@ -1,6 +1,6 @@
 // A small web server for the live view: a fixed table of files, and WebSockets to the
 // pages that may use them. The page is the only client meant; every other program on
-// the machine, and every other page in the browser, is a stranger.
+// the machine, and every other page in the browser, is a third party.
 //
 // What it does against third-party programs: it binds 127.0.0.1 alone. A request must
 // name exactly that host and port (no rebinding of names). A WebSocket must come from
