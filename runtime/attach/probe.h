@@ -58,8 +58,8 @@ struct ProbedAxis {
   double damping_n_s_per_m = 0.0;  ///< [N s/m] viscous
   double damping_sd_n_s_per_m = 0.0;
   double delay_s = 0.0;  ///< [s] from the begin of an exchange to its force
-  /// [s] > 0 within which a delay is not known. It is twice the estimate's standard
-  /// deviation, and the exchange, in which a position is measured at any time.
+  /// [s] > 0 within which a delay is not known. The resolution is twice the estimate's
+  /// standard deviation, and the exchange, in which a position is measured at any time.
   double delay_resolution_s = 0.0;
   std::vector<std::vector<ProbeSample>> push{};  ///< as measured
 

@@ -62,8 +62,9 @@ struct BenchBody {
 /// The same options and seed give the same body.
 [[nodiscard]] BenchBody make_bench_body(const BenchBodyOptions& options);
 
-/// A tool that wanders over the body and in and out of it. Its velocity is first-order
-/// noise, and it is reflected at a box around the middle of the surface.
+/// A tool that wanders over the body and in and out of it. The tool's velocity is
+/// first-order noise, and the tool is reflected at a box around the middle of the
+/// surface.
 struct BenchWalkOptions {
   int ticks = 100000;
   double tick_s = 0.0005;        ///< [s] > 0

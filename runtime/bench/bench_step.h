@@ -24,11 +24,12 @@ struct StepBenchRow {
 };
 
 /// Runs every model over nine scenes, each with a recorded walk. Two tools and one tool
-/// run on a wavy body of random stiffness with friction, one tool on a body without
-/// friction. One runs on a body that relaxes with two terms, as one curve and in eight
-/// bundles. One runs on a body that keeps dents, and one on a body that keeps dents and
-/// softens. The last scenes are a rigid flat wall and free space. A tick is one step of
-/// every tool. The clock's own cost, the median of empty readings, is taken off.
+/// run on a wavy body of random stiffness with friction, one tool on such a body
+/// without friction. One runs on a body that relaxes with two terms, as one curve and
+/// in eight bundles. One runs on a body that keeps dents, and one on a body that keeps
+/// dents and softens. The last scenes are a rigid flat wall and free space. A tick is
+/// one step of every tool. The clock's own cost, the median of empty readings, is taken
+/// off.
 /// @param allocations counter of heap allocations so far in this thread.
 [[nodiscard]] std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                                        std::uint64_t (*allocations)());

@@ -56,8 +56,8 @@ constexpr std::array<PaperColumn, 3> kPaperTable1{
 
 /// Whether a small disturbance of the device leaning on the wall dies out. The preload
 /// pushes the device from the surface into the wall while a hand damps it. The hand
-/// lets go, and the device is kicked. Its range of movement in the last quarter of the
-/// watch is compared with that in the first.
+/// lets go, and the device is kicked. The device's range of movement in the last
+/// quarter of the watch is compared with that in the first.
 [[nodiscard]] bool wall_is_stable(const Table1Options& options, LocalModel model,
                                   double slow_hz, double stiffness_n_per_m);
 

@@ -11,8 +11,8 @@
 //
 // E* the conjugate of E. One contact alone has delta = d. The solution is unique where
 // diag(1/k) + C is positive definite, k_i = f_i'(delta_i). That matrix is the
-// compliance of flat punches on one body. It is positive definite where the punches do
-// not overlap (two on a half-space: more than 2 a / pi apart).
+// compliance of flat punches on one body. The matrix is positive definite where the
+// punches do not overlap (two on a half-space: more than 2 a / pi apart).
 //
 // The equations are solved for delta, because a curve's inverse has an infinite slope
 // where the curve is touched. With g = delta + C f - d, D = diag(sqrt(k)) and
@@ -28,8 +28,8 @@
 // d_i is less by what relaxed forces s sink the surface: d - C s stands for d.
 //
 // Where the method does not end, or S at the solution is not positive definite, C is
-// halved for good and `scaled` says so. That is another energy, which the caller has to
-// book as a change. C = 0 always ends.
+// halved for good and `scaled` says so. The scaled C has another energy, which the
+// caller has to book as a change. C = 0 always ends.
 #pragma once
 
 #include <array>

@@ -34,10 +34,10 @@
 //
 // Each contact has a memory of its own, and finds its own dents alone. Contacts lie as
 // far apart as sites do. In one table a site would count the force of two contacts
-// twice: as one contact's own stress, and as the sinking by the other. Both would relax
-// it. What has yielded (yielding_place.h) is shape, not stress: contacts with the same
-// responses share it, and find each other's dents. E_i is then that of the elastic
-// response.
+// twice: as one contact's own stress, and as the sinking by the other. Both contacts
+// would relax it. What has yielded (yielding_place.h) is shape, not stress: contacts
+// with the same responses share it, and find each other's dents. E_i is then that of
+// the elastic response.
 #pragma once
 
 #include <array>

@@ -72,7 +72,7 @@ struct CoupledSet {
   /// (i, j) of one port: their distance among the knots.
   std::array<std::array<ComplianceWeights, kContactsMax>, kContactsMax> apart;
   /// [m] > 0 Longest way from each port's reference point to the far side of a contact.
-  /// It turns a torque into a force. 1 m where there is no contact.
+  /// The lever turns a torque into a force. 1 m where there is no contact.
   std::array<Real, kPortsMax> lever_m{1.0, 1.0};
 };
 

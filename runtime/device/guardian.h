@@ -21,11 +21,11 @@ namespace palpate {
 ///   beat() and as a second string after it.
 ///
 /// When beat() was not called for `silent_s`, the guardian sends zero force, too, and
-/// is tripped for good. It looks eight times in that time. So it sends at most 9/8 of
-/// that time after the last call, as far as it is given a processor. A process that
-/// hangs must not take hold of the device again. The guardian is in a session of its
-/// own and ignores SIGINT, SIGTERM and SIGHUP, so that what ends this process's group
-/// leaves it alive.
+/// is tripped for good. The guardian looks eight times in that time. So zero force
+/// comes at most 9/8 of that time after the last call, as far as the guardian is given
+/// a processor. A process that hangs must not take hold of the device again. The
+/// guardian is in a session of its own and ignores SIGINT, SIGTERM and SIGHUP, so that
+/// what ends this process's group leaves it alive.
 ///
 /// The child calls nothing but async-signal-safe functions and the mutex, so that other
 /// threads may exist when it is forked.

@@ -72,8 +72,8 @@ struct SocketPatience {
 class SocketDevice : public Device {
  public:
   /// Connects and waits for the hello. Then looks for a tenth of a second at most how
-  /// long the driver's wire holds a force (limits()). That is the median time from one
-  /// state to the next.
+  /// long the driver's wire holds a force (limits()). The measure is the median time
+  /// from one state to the next.
   /// @throws DeviceError; Interrupted when stopped.
   explicit SocketDevice(const std::filesystem::path& socket,
                         const SocketPatience& patience = {});

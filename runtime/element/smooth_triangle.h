@@ -2,9 +2,9 @@
 // the whole surface.
 //
 // The element's corners v_j have outward normals n_j and rises r_j(s) = p_j + s q_j. A
-// rise is the gradient that the height s is to have at the corner. It is a node's force
-// over its normal part, straight in s as the node's tilt is. On the node's line v_j + s
-// n_j the height is s, its gradient r_j(s), and the node's weight is 1.
+// rise is the gradient that the height s is to have at the corner. The rise is a node's
+// force over its normal part, straight in s as the node's tilt is. On the node's line
+// v_j + s n_j the height is s, its gradient r_j(s), and the node's weight is 1.
 //
 // Edge i goes from v_j to v_k (j, k after i, cyclic), e = v_k - v_j. The edge has the
 // normal N(t) = n_j + t (n_k - n_j), and m = unit((n_j + n_k) x e). A place x has the
@@ -62,9 +62,9 @@ struct SmoothSides {
 [[nodiscard]] SmoothSides sides_at(const SmoothTriangle& triangle,
                                    const Vector3& x_m) noexcept;
 
-/// Least stretch at which a place is still taken for sound. It is the stretch of
-/// coordinates, their sum and the height's equation, relative to what they are on the
-/// triangle.
+/// Least stretch at which a place is still taken for sound. The value bounds the
+/// stretch of coordinates, their sum and the height's equation, relative to what they
+/// are on the triangle.
 constexpr Real kStretchMin = 0.2;
 
 /// Weights and height at a place.

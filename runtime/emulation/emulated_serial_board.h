@@ -1,5 +1,5 @@
-// What boards behind a serial port over USB have in common in simulation. They have
-// bytes that wait to be fetched, a tool and its account, and a bus that goes wrong
+// What boards behind a serial port over USB have in common in simulation. Such boards
+// have bytes that wait to be fetched, a tool and its account, and a bus that goes wrong
 // between board and driver.
 #pragma once
 

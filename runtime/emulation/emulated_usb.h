@@ -1,6 +1,6 @@
 // Makes a model of a USB device look to libusb like an open file of the kernel's usbfs,
-// in this process. It needs no root and no kernel module, and runs the same libusb code
-// as with hardware.
+// in this process. The emulation needs no root and no kernel module, and runs the same
+// libusb code as with hardware.
 //
 // The program's ioctl() is interposed: requests to the emulator's descriptor are
 // answered here, all others go on to the next ioctl() in line. Only a program that uses

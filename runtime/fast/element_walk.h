@@ -20,8 +20,8 @@ void place(ElementModel& model, const ElementCache& cache, int slot,
 void adopt(ElementModel& model, const ElementCache& cache, int slot, const Vector3& x_m,
            Real tool_radius_m) noexcept;
 
-/// Moves the anchor so that the tool's tangential deflection becomes tau. It makes one
-/// Newton step of x - tau = a + R n(a) - d u(a), which is quadratic; the tool moves
+/// Moves the anchor so that the tool's tangential deflection becomes tau. The move is
+/// one Newton step of x - tau = a + R n(a) - d u(a), which is quadratic; the tool moves
 /// little in a tick. The anchor crosses edges into neighbours that the cache holds.
 /// Sets outside, starved.
 /// @param tau_m [m] wanted delta_t, tangential; zero without friction.

@@ -1,6 +1,6 @@
 // Haply's Inverse3, Inverse3x and Minverse through Haply's Inverse service. The service
-// runs on this machine, owns the device and speaks JSON over a WebSocket. It sends one
-// state for every command (inverse_message.h).
+// runs on this machine, owns the device and speaks JSON over a WebSocket. The service
+// sends one state for every command (inverse_message.h).
 #pragma once
 
 #include <array>

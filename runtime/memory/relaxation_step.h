@@ -11,7 +11,7 @@
 // has slid to a place whose dent stores more than was put into it. Then the step is
 // shortened.
 //
-// A tick relaxes for half its time where the tool was, and moves at frozen q. It
+// A tick relaxes for half its time where the tool was, and moves at frozen q. The tick
 // relaxes for the other half where the tool is now (Strang). The scheme is of second
 // order, for any time. Time that is short against the shortest tau_k gathers before it
 // is spent.

@@ -117,8 +117,8 @@ struct SimulationReport {
 /// The model that --model names. @throws InputError naming those that there are.
 [[nodiscard]] LocalModel requested_model(const std::string& model);
 
-/// Time between force updates [s]. It is the slow period for the models that hold the
-/// slow process's force, else the fast one. It is no less than the wire's own
+/// Time between force updates [s]. The time is the slow period for the models that hold
+/// the slow process's force, else the fast one. The time is no less than the wire's own
 /// (DeviceLimits).
 [[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz,
                             double wire_s);

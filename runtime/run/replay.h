@@ -50,8 +50,8 @@ struct ReplayReport {
                                   const ResponseDatabase& database);
 
 /// The recorded trajectory with another local model or another database. The slow
-/// process answers anew at the ticks before which elements arrived in the recording. It
-/// takes the tool's place from the tick before.
+/// process answers anew at the ticks before which elements arrived in the recording.
+/// The slow process takes the tool's place from the tick before.
 [[nodiscard]] ReplayReport render_again(const Recording& recording,
                                         const ResponseDatabase& database,
                                         LocalModel model);

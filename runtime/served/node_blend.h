@@ -28,14 +28,14 @@ class NodeBlend {
   /// change with them; the height of the node's flattest triangle.
   NodeBlend(const ElementNode& from, const ElementNode& to, double reach_m);
 
-  /// Goes on to the deeper curve's last sample; the last step arrives. A step changes
-  /// no g by more than most_n / sqrt 2, and no energy over reach_m by more than
-  /// most_n / sqrt 8. The force of the potential field is F = -grad sum n_j E_j. It
-  /// then changes by at most most_n [N] >= 0 while all three nodes of its element step
-  /// so. Along the normal it changes by sum n_j g_j. Along the surface it changes by
-  /// sum E_j grad n_j with |grad n_j| at most 1 / reach_m. These are three directions,
-  /// of which two can add up. (Of slivers three add up: 1.3 most_n; prisms narrow with
-  /// depth: 1.1.)
+  /// Goes on by one step; the last step arrives. Up to the deeper curve's last sample a
+  /// step changes no g by more than most_n / sqrt 2. The step changes no energy over
+  /// reach_m by more than most_n / sqrt 8. The force of the potential field is
+  /// F = -grad sum n_j E_j. The force then changes by at most most_n [N] >= 0 while all
+  /// three nodes of its element step so. Along the normal it changes by sum n_j g_j.
+  /// Along the surface it changes by sum E_j grad n_j with |grad n_j| at most
+  /// 1 / reach_m. The gradients have three directions, of which two can add up. (Of
+  /// slivers three add up: 1.3 most_n; prisms narrow with depth: 1.1.)
   /// @returns the message now.
   const ElementNode& step(double most_n);
 

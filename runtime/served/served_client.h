@@ -1,6 +1,7 @@
-// The runtime's end of the service of a scene (formats/service/SERVICE.md). It is a
-// thread that joins, listens, and hands answers to the slow process, which never waits
-// for it. Whatever the service does, what has been answered stays and is rendered.
+// The runtime's end of the service of a scene (formats/service/SERVICE.md). This end is
+// a thread that joins, listens, and hands answers to the slow process, which never
+// waits for it. Whatever the service does, what has been answered stays and is
+// rendered.
 #pragma once
 
 #include <atomic>

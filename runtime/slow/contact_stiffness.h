@@ -53,14 +53,14 @@ using StiffestOfTable =
 /// [N s/m] Damping of a device with which no passive hand gets energy out of a stuck
 /// tool's held spring and damper. The damping is b > k_t (T/2 + delay) + b_t (Colgate &
 /// Schenkel 1997, b > K T / 2 + |B|). A damper needs far more than its spring. Short of
-/// that damping, a device's mass and a hand's own damping must do. They do where T b_t
-/// is well below the mass.
+/// that damping, a device's mass and a hand's own damping must do. Mass and hand do
+/// where T b_t is well below the mass.
 [[nodiscard]] double every_hand_n_s_per_m(const VirtualCoupling& coupling,
                                           double hold_s, double delay_s);
 
 /// Sums over all contacts of a tool, as if each pressed a body of its own. The sum is
 /// more than the contacts have together where they sink one another, as contacts on one
-/// side of a body do. It is no bound where one contact lifts another.
+/// side of a body do. The sum is no bound where one contact lifts another.
 [[nodiscard]] RenderedStiffness stiffness_of_contacts(
     std::span<const StiffestNode> contact);
 

@@ -57,8 +57,9 @@ struct NodeRows {
 [[nodiscard]] ElementNode node_message(const NodeRows& rows, std::int64_t row,
                                        double* loss_n = nullptr);
 
-/// Messages by row of the nodes whose curves are too long for one message. They are
-/// made once, because thinning is too costly at every send. Adds to `loss`.
+/// Messages by row of the nodes whose curves are too long for one message. These
+/// messages are made once, because thinning is too costly at every send. Adds to
+/// `loss`.
 [[nodiscard]] std::unordered_map<std::int32_t, ElementNode> thinned_messages(
     const NodeRows& rows, ResampleLoss& loss);
 

@@ -1,5 +1,5 @@
-// The Haply 2diy over USB. It is a CDC-ACM board with two motors that move a pantograph
-// in a plane, the x-y plane of the device's frame (z = 0).
+// The Haply 2diy over USB. The 2diy is a CDC-ACM board with two motors that move a
+// pantograph in a plane, the x-y plane of the device's frame (z = 0).
 #pragma once
 
 #include <functional>

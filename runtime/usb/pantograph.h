@@ -46,14 +46,14 @@ constexpr double kTransmissionMin = 0.1;
                            Eigen::Vector2d& theta_rad) noexcept;
 
 /// Joint torques [N m] for a force [N] on the tool: jacobian^T F, shrunk together to
-/// torque_max_nm so that the direction stays. They are zero where the transmission is
-/// below kTransmissionMin or the force is not finite.
+/// torque_max_nm so that the direction stays. The torques are zero where the
+/// transmission is below kTransmissionMin or the force is not finite.
 [[nodiscard]] Eigen::Vector2d torques_for(const PantographPose& pose,
                                           const Eigen::Vector2d& force_n,
                                           double torque_max_nm) noexcept;
 
-/// Force [N] on the tool that torques [N m] make: jacobian^-T torque. It is zero where
-/// no torque makes a force of its own (a driven and a free link in line).
+/// Force [N] on the tool that torques [N m] make: jacobian^-T torque. The force is zero
+/// where no torque makes a force of its own (a driven and a free link in line).
 [[nodiscard]] Eigen::Vector2d force_of(const PantographPose& pose,
                                        const Eigen::Vector2d& torque_nm) noexcept;
 
