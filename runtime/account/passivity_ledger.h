@@ -3,10 +3,10 @@
 // Between two changes the local model is a potential E_k(x), so the work that the user
 // puts in is exactly E_k(x_{k+1}) - E_k(x_k) (paper, (14)). A change of the model at a
 // fixed position costs E_{k+1}(x) - E_k(x). What a change frees goes into a tank, what
-// it costs is paid from there; nothing is ever lent. Where the surface remembers being
-// pressed (relaxing_contact.h), its dents hold energy, too: that of the dent under the
-// tool pays for its own recovery, that of dents left behind waits for the tool to come
-// back, and goes as they do. At every moment
+// it costs is paid from there; nothing is ever borrowed. Where the surface remembers
+// being pressed (relaxing_contact.h), its dents hold energy, too. Energy of the dent
+// under the tool pays for the recovery of that dent. Energy of dents left behind waits
+// for the tool to come back, and goes as the dents do. At every moment
 //
 //   work = stored + tank + dent + left + dissipated      (all in J, all but work >= 0)
 //

@@ -73,9 +73,10 @@ void raise_fault(BasicSafetyState<kSize>& state, Fault fault) noexcept {
 /// with g = (force that was delivered - force of the model) . (movement of the tool
 /// after it). stored + tank - owed is what the user has really put in and can still get
 /// back. What clamps or a driver took from the user, and what friction took, pays for
-/// what they gave before, and is never lent for later: between any two moments the user
-/// gets at most stored + tank of the first and the floor. An infinite energy_floor
-/// omits the energy check, as the holds need, which create energy.
+/// what clamps and driver gave before. None of that is credit for later. Between any
+/// two moments the user gets at most stored + tank of the first moment and the floor.
+/// An infinite energy_floor omits the energy check, as the holds need, which create
+/// energy.
 /// @param wanted_n [N] the local model's force.
 /// @param moved_m  [m] movement of the tool since the last call.
 /// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.

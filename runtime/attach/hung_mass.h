@@ -26,17 +26,17 @@ struct Weight {
 };
 
 /// Carries the tool on a spring about `centre_m`, sweeps it up and down, and averages
-/// the force over whole periods: dry friction, damping and inertia cancel. Nobody holds
+/// the force over whole periods. Dry friction, damping and inertia cancel. Nobody holds
 /// the tool. @param link open. @param stop ends it. @throws DeviceError if the link is
 /// lost, answers fewer than half of the exchanges, or the tool runs away from its
-/// spring (wrong signs): then at zero force; Interrupted when stopped: who called then
-/// closes the link, which until then holds the last force.
+/// spring (wrong signs). Then the link is at zero force. @throws Interrupted when
+/// stopped. The caller then closes the link, which until then holds the last force.
 [[nodiscard]] Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
                            const WeighOptions& options, const std::atomic<bool>& stop);
 
 /// Factor on motor commands [-] from the force asked for with and without `mass_kg` on
-/// the tool, at factor 1: more was asked for than the mass weighs where the motors give
-/// less. The weight of the mechanism cancels. @param sd of the factor.
+/// the tool, at factor 1. Where the motors give less, more force was asked for than the
+/// mass weighs. The weight of the mechanism cancels. @param sd of the factor.
 /// @throws DeviceError for a factor outside [0.2, 5], which no device has.
 [[nodiscard]] double factor_of(const Weight& bare, const Weight& loaded, double mass_kg,
                                double& sd);

@@ -1,10 +1,10 @@
-// What a device is like, found with at most 0.3 N: its wire, where it reaches, the step
-// of its positions, dry friction, mass, damping, and the time from a command to its
-// force; for a person who holds the tool and lets it go, in two minutes.
+// What a device is like, found with at most 0.3 N. A person holds the tool and lets it
+// go, in two minutes. Found are its wire, where it reaches, the step of its positions,
+// dry friction, mass, and damping. The time from a command to its force is found, too.
 //
 // Held and moved by hand there is no force. Then nobody holds it, and it stands where
-// it is left: a force that rises by r a second moves it at friction f, later by the
-// delay; a force that is switched on moves it as PushFit says (probe_fit.h).
+// it is left. A force that rises by r a second moves it at friction f, later by the
+// delay. A force that is switched on moves it as PushFit says (probe_fit.h).
 #pragma once
 
 #include <array>
@@ -58,12 +58,12 @@ struct ProbedAxis {
   double damping_n_s_per_m = 0.0;  ///< [N s/m] viscous
   double damping_sd_n_s_per_m = 0.0;
   double delay_s = 0.0;  ///< [s] from the begin of an exchange to its force
-  /// [s] > 0 within which a delay is not known: twice the estimate's standard
-  /// deviation, and the exchange, in which a position is measured at any time.
+  /// [s] > 0 within which a delay is not known. The resolution is twice the estimate's
+  /// standard deviation, and the exchange, in which a position is measured at any time.
   double delay_resolution_s = 0.0;
   std::vector<std::vector<ProbeSample>> push{};  ///< as measured
 
-  /// A delay that can be told from none.
+  /// A delay that can be distinguished from none.
   [[nodiscard]] bool has_delay() const noexcept { return delay_s > delay_resolution_s; }
 };
 

@@ -27,10 +27,11 @@ void write_probe(const std::filesystem::path& file, const ProbeReport& report);
 [[nodiscard]] std::string axes_not_found(const ProbeReport& report);
 
 /// The limits of a device that was probed, of its worst axis and on the safe side of
-/// what is not known: damping and dry friction less twice their standard deviations,
-/// the delay and its resolution more, the coarser step, forces held for an exchange.
+/// what is not known. Damping and dry friction are less by twice their standard
+/// deviations, the delay is more by its resolution. The step is the coarser one, and
+/// forces are held for an exchange.
 /// @param assumed for what was not found: the largest force, a damping that cannot be
-/// told from none; and, where they are worse, for axes_not_found().
+/// distinguished from none; and, where they are worse, for axes_not_found().
 [[nodiscard]] DeviceLimits probed_limits(const ProbeReport& report,
                                          const DeviceLimits& assumed);
 

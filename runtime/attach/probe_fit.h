@@ -33,8 +33,9 @@ struct PushFit {
 [[nodiscard]] PushFit fit_pushes(const std::vector<std::vector<ProbeSample>>& pushes,
                                  double push_s);
 
-/// [s] when a tool began to move under a force that rises steadily: from then on m x''
-/// = r (t - t_f), so that the cube root of its way is linear in time; where it is zero.
+/// [s] when a tool began to move under a force that rises steadily. From then on
+/// m x'' = r (t - t_f), so the cube root of its way is linear in time. The time is
+/// where that line is zero.
 /// @param least_m samples on a shorter way say nothing. The last sample's time where no
 /// line can be drawn.
 [[nodiscard]] double begin_of_motion_s(const std::vector<ProbeSample>& samples,

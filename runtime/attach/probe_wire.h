@@ -1,5 +1,5 @@
-// The exchanges of a probe, within its limits: never more than its largest force, an
-// end where the tool runs away or the person wants one.
+// The exchanges of a probe, within its limits. The force is never more than its
+// largest, and the probe ends where the tool runs away or the person wants an end.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace palpate {
 /// one axis, that of begin_pushing(); x before.
 class ProbeWire {
  public:
-  /// All must outlive it. @param planned_s [s] of the whole probe, for who is told.
+  /// All must outlive it. @param planned_s [s] of the whole probe, for the report to
+  /// the person.
   ProbeWire(DeviceLink& link, const ProbeOptions& options, const ProbeGuide& guide,
             Clock& clock, double planned_s)
       : link_(link),

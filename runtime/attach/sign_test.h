@@ -1,10 +1,10 @@
 // Whether a device's motors push the way they are asked to, found with little force.
 //
 // A unit that is wired or mirrored otherwise has positive feedback: contact draws the
-// tool in, and the account, which sees positions alone, books that as work of the hand.
-// The test pushes along each axis with F(t) = +-F sin(w t), one period of either sign,
-// and adds up W = sum F . dx. A hand and a mechanism that only take energy make W > 0,
-// whatever their mass, spring and damping; motors that push the other way make W < 0. A
+// tool in. The account sees positions alone, and books that as work of the hand. The
+// test pushes along each axis with F(t) = +-F sin(w t), one period of either sign, and
+// adds up W = sum F . dx. A hand and a mechanism that only take energy make W > 0,
+// whatever their mass, spring and damping. Motors that push the other way make W < 0. A
 // constant force and a steady pull of the hand cancel over the two periods.
 #pragma once
 
@@ -34,9 +34,9 @@ using SignWork = std::array<double, 3>;
 /// Tests an open link; leaves it at zero force. Takes 2.4 s where it is clear at once.
 /// @param stopped ends it; may be empty. @param clock which goes on while the link
 /// works.
-/// @throws DeviceError if an axis pushes the wrong way, the tool ran away, the link was
-/// lost, or nothing could be felt (the tool is held fast or lies at a stop);
-/// Interrupted when stopped.
+/// @throws DeviceError if an axis pushes the wrong way, the tool ran away, or the link
+/// was lost. @throws DeviceError if nothing could be felt (the tool is held fast or
+/// lies at a stop). @throws Interrupted when stopped.
 SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
                     const std::function<bool()>& stopped, Clock& clock);
 

@@ -1,16 +1,18 @@
 // A haptic device on one axis, for benches: a mass that carries a Maxwell load.
 //
 // Symbols: x position [m], v velocity [m/s], m force of the load [N], F input [N].
+//
 //   M v' = F - b v - m,   m' = K v - (K / B) m
+//
 // The input is constant during a tick (zero-order hold), so a tick is the exact matrix
-// exponential of the system; the step does not limit the accuracy.
+// exponential of the system. The step does not limit the accuracy.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace palpate {
 
-/// The defaults are the virtual PenCat: with them the largest stable stiffness of a
+/// The defaults are the virtual PenCat. With them the largest stable stiffness of a
 /// plain sampled wall follows the single-thread column of the paper's Table 1.
 struct VirtualDeviceOptions {
   double mass_kg = 0.12;                ///< [kg] > 0, M

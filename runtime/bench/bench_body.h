@@ -41,7 +41,7 @@ struct BenchBodyOptions {
 };
 
 /// Triangle 2 (row cells + column) and the one after it tile the square of that row and
-/// column; the surface lies around z = 0, the body below it, x and y from 0.
+/// column. The surface lies around z = 0, the body below it. x and y count from 0.
 struct BenchBody {
   BenchBodyOptions options;
   std::vector<Element> element;  ///< `sequence` 0, not active
@@ -62,8 +62,9 @@ struct BenchBody {
 /// The same options and seed give the same body.
 [[nodiscard]] BenchBody make_bench_body(const BenchBodyOptions& options);
 
-/// A tool that wanders over the body and in and out of it: first-order noise for the
-/// velocity, reflected at a box around the middle of the surface.
+/// A tool that wanders over the body and in and out of it. The tool's velocity is
+/// first-order noise, and the tool is reflected at a box around the middle of the
+/// surface.
 struct BenchWalkOptions {
   int ticks = 100000;
   double tick_s = 0.0005;        ///< [s] > 0

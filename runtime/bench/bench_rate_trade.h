@@ -62,8 +62,8 @@ struct RateTradeRow {
 [[nodiscard]] std::string table_csv(const std::vector<RateTradeRow>& rows);
 [[nodiscard]] std::string to_json(const std::vector<RateTradeRow>& rows);
 
-/// Largest stable stiffness over the slow rate, a line per model: SVG of the first
-/// device, the given wall and the fastest rate in the rows.
+/// Largest stable stiffness over the slow rate, a line per model, as SVG. The picture
+/// is of the first device, the given wall and the fastest rate in the rows.
 [[nodiscard]] std::string trade_picture(const std::vector<RateTradeRow>& rows,
                                         WallShape wall);
 

@@ -23,12 +23,13 @@ struct StepBenchRow {
   std::uint64_t allocations = 0;  ///< in all steps and accepts
 };
 
-/// Runs every model over nine scenes, each with a recorded walk: two tools and one on
-/// a wavy body of random stiffness with friction, one without friction, one on a body
-/// that relaxes with two terms, as one curve and in eight bundles, one on a body that
-/// keeps dents, one on a body that keeps dents and softens, a rigid flat wall, and free
-/// space. A tick is one step of every tool. The clock's own cost, the median of empty
-/// readings, is taken off.
+/// Runs every model over nine scenes, each with a recorded walk. Two tools and one tool
+/// run on a wavy body of random stiffness with friction, one tool on such a body
+/// without friction. One runs on a body that relaxes with two terms, as one curve and
+/// in eight bundles. One runs on a body that keeps dents, and one on a body that keeps
+/// dents and softens. The last scenes are a rigid flat wall and free space. A tick is
+/// one step of every tool. The clock's own cost, the median of empty readings, is taken
+/// off.
 /// @param allocations counter of heap allocations so far in this thread.
 [[nodiscard]] std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                                        std::uint64_t (*allocations)());

@@ -55,9 +55,9 @@ constexpr std::array<PaperColumn, 3> kPaperTable1{
      {"passive", {212, 212, 212, 212, 212, 212}}}};
 
 /// Whether a small disturbance of the device leaning on the wall dies out. The preload
-/// pushes it from the surface into the wall while a hand damps it; the hand lets go,
-/// the device is kicked, and its range of movement in the last quarter of the watch is
-/// compared with that in the first.
+/// pushes the device from the surface into the wall while a hand damps it. The hand
+/// lets go, and the device is kicked. The device's range of movement in the last
+/// quarter of the watch is compared with that in the first.
 [[nodiscard]] bool wall_is_stable(const Table1Options& options, LocalModel model,
                                   double slow_hz, double stiffness_n_per_m);
 

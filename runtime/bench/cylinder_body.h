@@ -17,8 +17,8 @@ struct CylinderBodyOptions {
 };
 
 /// f(d) = 100 k d^2 for d <= 5 mm, then k (d - 2.5 mm): value and slope are continuous.
-/// The paper prints 0.000025 where 0.0025 m must stand, else f would jump at 5 mm, and
-/// "0 <= delta" for free space where "delta <= 0" is meant.
+/// The paper prints 0.000025 where 0.0025 m must stand, else f would jump at 5 mm. The
+/// paper prints "0 <= delta" for free space where "delta <= 0" is meant.
 [[nodiscard]] double cylinder_force_n(double stiffness_n_per_m, double depth_m);
 
 /// The same curve at every node of the side, along its normal, to 10 mm. The ends and

@@ -10,8 +10,8 @@ namespace palpate {
 ///   f = 0 for x <= 0,  100 k x^2 up to x = 5 mm,  k (x - 0.0025) beyond
 ///
 /// The paper's (25) and (31) print the free space as "0 <= x" and the last line as
-/// k (x - 0.000025), which jumps at 5 mm; as here value and slope are continuous
-/// (200 k 0.005 = k), so that k alone bounds the slope, as the paper's text says.
+/// k (x - 0.000025), which jumps at 5 mm. Here value and slope are continuous
+/// (200 k 0.005 = k). So k alone bounds the slope, as the paper's text says.
 [[nodiscard]] SlowValue wall_response(double k_n_per_m, double x_m) noexcept;
 
 /// Penetration at which the wall's force is f_n >= 0 [m].

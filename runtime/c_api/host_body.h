@@ -60,8 +60,8 @@ class HostBody {
 
   /// A tool of two hands that press the body together, coupled through it: the body's
   /// own, and `second` (empty: another of the same). @throws InputError as add_tool()
-  /// and coupled_set(); for a scene, for a model that several contacts have not, for a
-  /// second tool that the device cannot render.
+  /// and coupled_set(). @throws InputError for a scene, for a model that several
+  /// contacts have not, and for a second tool that the device cannot render.
   Together add_together(const std::string& second);
 
   /// Starts and ends the slow thread, by one thread at a time; nothing where it is so

@@ -1,4 +1,4 @@
-// How the surface gives way under a host's tool, for drawing.
+// How the surface deforms under a host's tool, for drawing.
 #pragma once
 
 #include <span>

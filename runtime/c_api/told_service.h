@@ -1,4 +1,4 @@
-// How a scene's service is, as a host is told (palpate.h).
+// How a scene's service is, as reported to a host (palpate.h).
 #pragma once
 
 #include "runtime/c_api/host_body.h"

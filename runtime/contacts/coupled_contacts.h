@@ -1,20 +1,22 @@
 // Contacts that share a body: each one's force sinks the surface under the others.
 //
-// Contact i has the stored curve f_i, energy E_i, and is d_i deep; C_ij (i != j,
+// Contact i has the stored curve f_i, energy E_i, and is d_i deep. C_ij (i != j,
 // symmetric) is how far 1 N at j moves the surface at i, along the inward normals of
-// both. The curves hold C_ii already, nonlinear. With delta_i the depth that is left,
+// both contacts. The curves hold C_ii already, nonlinear. With delta_i the depth that
+// is left,
 //
 //   delta_i + sum_j C_ij f_j(delta_j) = d_i
 //   U(d) = sum E_i(delta_i) + 1/2 sum_ij C_ij f_i f_j
 //        = max over f >= 0 of [ f.d - sum E_i*(f_i) - f.C f / 2 ],     dU/dd_i = f_i
 //
 // E* the conjugate of E. One contact alone has delta = d. The solution is unique where
-// diag(1/k) + C is positive definite, k_i = f_i'(delta_i): the compliance of flat
-// punches on one body, which is so where the punches do not overlap (two on a
-// half-space: more than 2 a / pi apart).
+// diag(1/k) + C is positive definite, k_i = f_i'(delta_i). That matrix is the
+// compliance of flat punches on one body. The matrix is positive definite where the
+// punches do not overlap (two on a half-space: more than 2 a / pi apart).
 //
-// Solved for delta, because a curve's inverse has an infinite slope where it is
-// touched: with g = delta + C f - d, D = diag(sqrt(k)) and S = 1 + D C D,
+// The equations are solved for delta, because a curve's inverse has an infinite slope
+// where the curve is touched. With g = delta + C f - d, D = diag(sqrt(k)) and
+// S = 1 + D C D,
 //
 //   y = -D S^-1 D g,     change of delta = -g - C y,
 //
@@ -22,12 +24,12 @@
 // a curve) as they are. S is factored where the old factor does not do any more. A
 // curve that falls counts as level in S.
 //
-// Where the surface remembers (coupled_field.h), f_i is what contact i bears now, and
+// Where the surface remembers (coupled_field.h), f_i is what contact i bears now. There
 // d_i is less by what relaxed forces s sink the surface: d - C s stands for d.
 //
 // Where the method does not end, or S at the solution is not positive definite, C is
-// halved for good and `scaled` says so: another energy, which the caller has to book as
-// a change. C = 0 always ends.
+// halved for good and `scaled` says so. The scaled C has another energy, which the
+// caller has to book as a change. C = 0 always ends.
 #pragma once
 
 #include <array>
@@ -98,8 +100,8 @@ constexpr int kCoupledEvaluationsMax = 60;
 void apply_compliance(const CoupledContacts& contacts, Real factor,
                       const ContactValues& v, ContactValues& out) noexcept;
 
-/// Slope of a contact's force as the body lets it feel, df_i/dd_i with the others held
-/// where they are: what a single contact would have as its stiffness [N/m].
+/// Stiffness of a contact on this body [N/m]: df_i/dd_i with the other contacts held
+/// where they are. A single contact would have this slope as its stiffness.
 /// @param i in [0, count).
 [[nodiscard]] Real coupled_stiffness_n_per_m(const CoupledContacts& contacts, int i,
                                              CoupledFactor& scratch) noexcept;

@@ -1,40 +1,43 @@
 // The potential field of a body that several contacts press: one function of the
 // contacts' places.
 //
-// With contact i at x_i, d_i its normal penetration less delta_0, and the stored curve
-// at its place E_i(y) = sum_a n_a E_a(c_a (y - t_a)) (potential_field.h), the energy is
-// U of coupled_contacts.h and
+// Contact i is at x_i, and d_i is its normal penetration less delta_0. The stored curve
+// at its place is E_i(y) = sum_a n_a E_a(c_a (y - t_a)) (potential_field.h). The energy
+// is U of coupled_contacts.h and
 //
 //   -F_i = dU/dx_i = dE_i/dx_i at delta_i - f_i sum_j (dC_ij/dx_i) f_j - f_i n_out.
 //
 // No derivative of delta is needed, because U is stationary in f. C_ij changes with x_i
-// by the weights of the nodes' rows; between two ports also by the distance of the
-// places on the surface at rest.
+// by the weights of the nodes' rows. Between two ports C_ij changes also by the
+// distance of the places on the surface at rest.
 //
-// A surface that remembers (relaxing_contact.h). With the whole body's conjugate
-// U*(f) = sum E_i*(f_i) + f.C f / 2, relaxed forces s of the contacts' places and what
-// they bear, phi >= 0, the rendered potential is the Bregman distance from the dents,
+// A surface may remember (relaxing_contact.h). The whole body's conjugate is
+// U*(f) = sum E_i*(f_i) + f.C f / 2. The contacts' places have relaxed forces s, and
+// the contacts bear phi >= 0. The rendered potential is the Bregman distance from the
+// dents,
 //
 //   u(d) = max over phi >= 0 of [ phi.d - U*(s + phi) + U*(s) ]
 //        = max over phi >= 0 of [ phi.(d - C s) - sum e_i*(phi_i) - phi.C phi / 2 ],
 //
-// e_i*(phi) = E_i*(s_i + phi) - E_i*(s_i): the same equations with the response
-// max(0, p_i - s_i) of one contact's memory for its curve, and depths from which the
-// dents of all are taken. Dents sink the others as forces do: they are stress that the
-// body still bears. With p = s + phi,
+// with e_i*(phi) = E_i*(s_i + phi) - E_i*(s_i). The equations are the same, with the
+// response max(0, p_i - s_i) of one contact's memory for its curve. The dents of all
+// contacts are taken from the depths. Dents sink the others as forces do: they are
+// stress that the body still bears. With p = s + phi,
 //
 //   du/dx_i = de_i/dx_i at delta_i - phi_i n_out
 //             - p_i sum_j (dC_ij/dx_i) p_j + s_i sum_j (dC_ij/dx_i) s_j
 //             - (C phi)_i ds_i/dx_i.
 //
-// So a contact that is lifted, but still over its dent, feels by how much less that
-// dent sinks the others where it goes: along the surface, while others press.
+// So a contact that is lifted, but still over its dent, feels a force along the surface
+// while others press. The force comes from how much less that dent sinks the others
+// where the contact goes.
 //
 // Each contact has a memory of its own, and finds its own dents alone. Contacts lie as
-// far apart as sites do; in one table a site would count the force of two contacts as
-// one's own stress and as what the other sinks it by, and both would relax it. What has
-// yielded (yielding_place.h) is shape, not stress: contacts with the same responses
-// share it, and find each other's dents. E_i is then that of the elastic response.
+// far apart as sites do. In one table a site would count the force of two contacts
+// twice: as one contact's own stress, and as the sinking by the other. Both contacts
+// would relax it. What has yielded (yielding_place.h) is shape, not stress: contacts
+// with the same responses share it, and find each other's dents. E_i is then that of
+// the elastic response.
 #pragma once
 
 #include <array>

@@ -1,18 +1,18 @@
 // Several contacts as a local model: followed along the surface, each with its
 // friction, kept passive by one ledger.
 //
-// The rules are those of one contact (potential_model.h), of the sum: while all places
-// are sound, U is one function of the ports' poses and the work of a tick is its
-// change. Where a place is not (a late neighbour, a fold), its contact is continued in
-// the tangent plane of the last tick, and U is that of the others with it; where C had
-// to be scaled (coupled_contacts.h), the last tick's energy less the work of its
-// forces. What the field then is instead is a change that the ledger balances, by one
-// delta_0 of all contacts. Friction springs are one per contact, with the force f_i
-// that the others leave it.
+// The rules are those of one contact (potential_model.h), applied to the sum. While all
+// places are sound, U is one function of the ports' poses, and the work of a tick is
+// the change of U. Where a place is not sound (a late neighbour, a fold), its contact
+// is continued in the tangent plane of the last tick. U is then that of the other
+// contacts with the continued one. Where C had to be scaled (coupled_contacts.h), U is
+// the last tick's energy less the work of its forces. What the field then is instead is
+// a change that the ledger balances, by one delta_0 of all contacts. Friction springs
+// are one per contact, with the force f_i that the others leave it.
 //
 // C that was scaled is whole again once nothing is touched.
 //
-// Where the surface remembers, U is u of coupled_field.h at frozen memory, and a tick
+// Where the surface remembers, U is u of coupled_field.h at frozen memory. A tick
 // relaxes for half its time before the ports move and for half after
 // (coupled_relaxation.h).
 #pragma once

@@ -9,15 +9,16 @@
 //
 // There the body's stress is p_0 = dU/dd_c = s + phi: with nothing borne it is s where
 // a contact is lifted off. With p_0 of its beginning held through a step, every term
-// g_k (U*(q_k) - d_c.q_k) is convex, has its least value at q_k = p_0, and q_k moves
-// straight towards it, all contacts by the same share: u + V falls at fixed poses for a
-// step of any length.
+// g_k (U*(q_k) - d_c.q_k) is convex and has its least value at q_k = p_0. q_k moves
+// straight towards p_0, all contacts by the same share. So u + V falls at fixed poses
+// for a step of any length.
 //
-// So all contacts go by one clock. Three things are outside the proof: contacts whose
-// g_k or tau_k differ (there is no one U* then), lifted contacts' exact way back, which
-// is no straight one, and tools that slid. The account holds whatever happens, because
-// what u rises by is paid by what was booked as the dents' before: it is short there at
-// most, and then the step is shortened for all contacts alike.
+// So all contacts go by one clock. Three things are outside the proof. The first are
+// contacts whose g_k or tau_k differ (there is no one U* then). The others are lifted
+// contacts' exact way back, which is not straight, and tools that slid. The account
+// holds whatever happens, because a rise of u is paid by what was booked as the dents'
+// before. The account is short there at most; then the step is shortened for all
+// contacts alike.
 #pragma once
 
 #include "runtime/account/passivity_ledger.h"

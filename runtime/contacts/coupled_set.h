@@ -1,8 +1,9 @@
 // A tool's contacts: spheres that are fixed to a port, and how far apart they are.
 //
 // A port is what a hand or device holds: a pose in, a wrench out. The contacts of one
-// port keep their distances, so that what the body's compliance is read at is fixed
-// once; those of two ports (two hands on one body) move against each other.
+// port keep their distances, so the distances at which the body's compliance is read
+// are fixed once. Contacts of two ports (two hands on one body) move against each
+// other.
 //
 // Compliance: with n_a the area coordinates of a contact's place and the nodes' rows of
 // compliance_row.h, c_i = sum n_a c_a and
@@ -70,8 +71,8 @@ struct CoupledSet {
   int added_modes = 0;    ///< the first of them, [0, modes]
   /// (i, j) of one port: their distance among the knots.
   std::array<std::array<ComplianceWeights, kContactsMax>, kContactsMax> apart;
-  /// [m] > 0 Longest way from each port's reference point to the far side of a contact:
-  /// turns a torque into a force; 1 m where there is none.
+  /// [m] > 0 Longest way from each port's reference point to the far side of a contact.
+  /// The lever turns a torque into a force. 1 m where there is no contact.
   std::array<Real, kPortsMax> lever_m{1.0, 1.0};
 };
 

@@ -90,7 +90,7 @@ void restart(CoupledState& state) noexcept;
 void accept(CoupledState& state, const ContactElement& message) noexcept;
 
 /// Begins the coming tick: relaxes for the first half of its time where the tools are,
-/// if that is not done yet; step() does it by itself. Energies that are asked for
+/// if that is not done yet. step() begins a tick by itself. Energies that are asked for
 /// before a step, of the same dt_s, are those of its movement from here on.
 void relax_ahead(CoupledState& state, Real dt_s) noexcept;
 
@@ -99,8 +99,8 @@ void relax_ahead(CoupledState& state, Real dt_s) noexcept;
 WrenchCommand step(CoupledState& state, const PoseSample& sample, Real dt_s) noexcept;
 
 /// Puts the tools there before a step as a change of the model, not as work: turns that
-/// a device measures and cannot push against. What they would store beyond the
-/// allowance is taken by delta_0, so that a hand gets nothing out of the axes that it
+/// a device measures and cannot push against. What the turned tools would store beyond
+/// the allowance is taken by delta_0. So a hand gets nothing out of the axes that it
 /// feels by turning in those that it does not. Nothing happens to a state with one
 /// contact, or before the first step.
 void carry(CoupledState& state, const PortPoses& pose) noexcept;

@@ -1,10 +1,10 @@
 // The surface yields under several contacts (yield_step.h).
 //
 // Each contact asks for what its own depth asks for, that which the others' dimples
-// leave it. What yields lowers its elastic response at every depth, so that the
-// equilibrium's energy, a largest value over what they bear (coupled_field.h), falls:
-// what that frees is gone. Then all bear less and lie deeper, and ask again; what they
-// still ask for after a few rounds they do at the next tick.
+// leave it. What yields lowers its elastic response at every depth. So the
+// equilibrium's energy falls, which is a largest value over what the contacts bear
+// (coupled_field.h). The energy freed is gone. Then all bear less and lie deeper, and
+// ask again; what they still ask for after a few rounds they do at the next tick.
 #pragma once
 
 #include "runtime/account/passivity_ledger.h"

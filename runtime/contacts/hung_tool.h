@@ -1,8 +1,7 @@
-// A tool of several contacts, or two hands with one each, that hang on their devices by
-// virtual couplings (virtual_coupling.h): the devices' poses in, the wrenches of
-// springs and dampers out. A device then feels at most the coupling's spring, however
-// stiff the body is, and a tool turns under its contacts where the device cannot turn
-// it.
+// A tool of several contacts, or two hands with one tool each, held by virtual
+// couplings (virtual_coupling.h). The devices' poses go in, the wrenches of springs and
+// dampers come out. A device then feels at most the coupling's spring, however stiff
+// the body is. A tool turns under its contacts where the device cannot turn it.
 //
 //   CoupledState state{...};  hang(hung, state, coupling);       // set-up
 //   command = step(hung, state, sample, dt);  delivered(hung, state, wrench)
@@ -13,11 +12,11 @@
 //
 // The ports' tools move one after the other, so that each tick of each is one step of
 // advance() in one potential. What the solver leaves of a tick's identity is never
-// given to the hand: energy that is missing counts as dissipated, energy that is too
-// much is taken from the motion; where the body is too stiff for the tool's mass, so
-// that more is left than the tool has, the account ends the run (fault "energy"). A
-// tick longer than kHungTickMaxS is lived through that far: time that passes without a
-// step needs no energy.
+// given to the hand. Missing energy counts as dissipated; energy that is too much is
+// taken from the motion. Where the body is too stiff for the tool's mass, more may be
+// left than the tool has. Then the account ends the run (fault "energy"). A tick longer
+// than kHungTickMaxS is lived through that far: time that passes without a step needs
+// no energy.
 //
 // On devices without torque output (torque_felt = false) a rotation takes tool and
 // spring along. It is no work: it changes the body's model, and the account pays for
@@ -66,8 +65,9 @@ struct HungTool {
 };
 
 /// Takes over the limits of a state that is set up, whose own become none. Null if that
-/// could be done, else what is wrong, one line: a coupling that is not valid or whose
-/// tool is too light for ticks of kHungTickMaxS, a set with one contact of one port.
+/// could be done, else one line on what is wrong. A coupling that is not valid is
+/// wrong, and one whose tool is too light for ticks of kHungTickMaxS. A set with one
+/// contact of one port is wrong, too.
 [[nodiscard]] const char* hang(HungTool& hung, CoupledState& state,
                                const VirtualCoupling& coupling) noexcept;
 

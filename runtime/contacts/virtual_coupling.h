@@ -1,8 +1,8 @@
 // A tool with mass and inertia between a device and what is rendered: for devices that
 // actuate fewer axes than they sense, or by choice.
 //
-// The tool body (mass m, inertia J in its frame, pose p, R, velocity v, spin W in its
-// frame) hangs on the device's pose (p_d, R_d) by
+// The tool body has mass m, inertia J in its frame, pose p, R, velocity v, and spin W
+// in its frame. The body is held at the device's pose (p_d, R_d) by
 //
 //   U_c = k_t |p - p_d|^2 / 2 + k_r (3 - tr R_d^T R) / 2
 //

@@ -8,14 +8,14 @@
 // Simulated: it lives in this process. Killed, crashed or hanging, it pushes nobody.
 //
 // Socket, a driver in a process of its own (socket_device.h; driven_device.h starts
-// it): after SIGKILL or a crash a guardian process (guardian.h), as soon as the kernel
-// closes this process's end; when the fast thread hangs, the guardian after 9/8 of its
-// patience, and for good. If the guardian is killed, the renderer stops; if both are,
-// the driver sees the end of its socket.
+// it). After SIGKILL or a crash a guardian process (guardian.h) does, as soon as the
+// kernel closes this process's end. When the fast thread hangs, the guardian does after
+// 9/8 of its patience, and for good. If the guardian is killed, the renderer stops; if
+// both are, the driver sees the end of its socket.
 //
 // USB (threaded_device.h): the thread that speaks to the device, when the fast thread
 // falls silent, ends or faults. Nothing that we know of says that their firmware drops
-// the force when the host is gone: after SIGKILL or a crash, and when that thread
+// the force when the host is gone. After SIGKILL or a crash, and when that thread
 // hangs, a guardian process that shares the open usbfs file writes zero force
 // (usb_guardian.h). When the wire is cut, what the firmware does is all there is.
 //

@@ -17,7 +17,7 @@ struct DriverTiming {
 };
 
 /// Opens the link and exchanges forces for positions until the socket's other end is
-/// closed or the device is lost; says to the renderer why, whether at opening or later.
+/// closed or the device is lost. Says to the renderer why, whether at opening or later.
 /// Every way out puts the device to zero force, as far as the link still can.
 /// @param descriptor connected SOCK_SEQPACKET; stays the caller's.
 /// @returns an exit code: 0 when the renderer ended it, 5 when the device did.

@@ -33,9 +33,9 @@ class DeviceLink {
   [[nodiscard]] virtual LinkStatus transact(const Eigen::Vector3d& force_n,
                                             Eigen::Vector3d& position_m) noexcept = 0;
 
-  /// Force [N] on the tool that the latest transact() sent: less than it was given
-  /// where the motors saturate or the pose has no transmission, zero where it sent
-  /// none.
+  /// Force [N] on the tool that the latest transact() sent. The force is less than
+  /// transact() was given where the motors saturate or the pose has no transmission,
+  /// zero where transact() sent none.
   [[nodiscard]] virtual Eigen::Vector3d sent_n() const noexcept = 0;
 
   /// Whether turn() is measured; known once it is open.

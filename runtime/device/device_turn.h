@@ -12,10 +12,10 @@ namespace palpate {
 /// nearer, and anything farther is no rounding.
 constexpr double kTurnTolerance = 0.01;
 
-/// The rotation that was said, made exact: a quaternion whose norm is 1 within
-/// kTurnTolerance is divided by it, a matrix whose M^T M is the identity within that
-/// and whose determinant is positive is made one. Nothing else is: no number, zero,
-/// another norm, a mirror.
+/// The rotation that was said, made exact. A quaternion whose norm is 1 within
+/// kTurnTolerance is divided by the norm. A matrix whose M^T M is the identity within
+/// that tolerance and whose determinant is positive is made a rotation. Nothing else
+/// is: no number, zero, another norm, a mirror.
 [[nodiscard]] std::optional<Eigen::Quaterniond> exact_turn(
     const Eigen::Quaterniond& said) noexcept;
 [[nodiscard]] std::optional<Eigen::Quaterniond> exact_turn(

@@ -23,8 +23,9 @@ struct DriverProgram {
 
 /// open() starts the program with "--descriptor N" after its arguments: N is the
 /// driver's end of the socket (socket_device.h). Where the renderer is killed or hangs,
-/// the guardian speaks to the driver; where the driver is killed, the kernel closes
-/// what it had open; where it hangs, its silence is a fault, and close() kills it.
+/// the guardian speaks to the driver. Where the driver is killed, the kernel closes
+/// what the driver had open. Where the driver hangs, its silence is a fault, and
+/// close() kills it.
 class DrivenDevice : public Device {
  public:
   explicit DrivenDevice(DriverProgram program) : program_(std::move(program)) {}

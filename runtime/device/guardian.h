@@ -1,5 +1,5 @@
-// A second process whose only work is to put a device to zero force when the first one
-// can no longer do it: killed, crashed, or hanging.
+// A second process whose only work is to put a device to zero force when the first
+// process can no longer do so. The first process is then killed, crashed, or hanging.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,19 @@ namespace palpate {
 /// Forks in the constructor. The guardian holds a duplicate of the device's descriptor.
 /// It sends zero force and ends
 ///
-/// - when the thread that called beat() ends, whatever the reason: it holds a robust
-///   mutex that the guardian waits for, and the kernel passes that on before it takes
-///   the process's memory apart, which takes tens of milliseconds where memory is
+/// - when the thread that called beat() ends, whatever the reason. That thread holds a
+///   robust mutex that the guardian waits for. The kernel passes the mutex on before it
+///   takes the process's memory apart, which takes tens of milliseconds where memory is
 ///   large;
 /// - when this process's end of a socket between the two is closed, before the first
 ///   beat() and as a second string after it.
 ///
-/// When beat() was not called for `silent_s`, it sends zero force, too (it looks eight
-/// times in that time, so at most 9/8 of it after the last call, as far as it is given
-/// a processor), and is tripped for good: a process that hangs must not take hold of
-/// the device again. It is in a session of its own and ignores SIGINT, SIGTERM and
-/// SIGHUP, so that what ends this process's group leaves it alive.
+/// When beat() was not called for `silent_s`, the guardian sends zero force, too, and
+/// is tripped for good. The guardian looks eight times in that time. So zero force
+/// comes at most 9/8 of that time after the last call, as far as the guardian is given
+/// a processor. A process that hangs must not take hold of the device again. The
+/// guardian is in a session of its own and ignores SIGINT, SIGTERM and SIGHUP, so that
+/// what ends this process's group leaves it alive.
 ///
 /// The child calls nothing but async-signal-safe functions and the mutex, so that other
 /// threads may exist when it is forked.

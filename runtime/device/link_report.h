@@ -13,8 +13,9 @@ struct LinkReport {
   std::int64_t silences = 0;  ///< times that the host's watchdog took the force away
   double duration_s = 0.0;
   StepHistogram time;  ///< of transactions
-  /// Of forces when the next one took their place: since the position that they answer
-  /// was measured, or rather since the exchange began that brought it.
+  /// Age of forces when the next one took their place. The age counts since the
+  /// position that they answer was measured, or rather since the exchange began that
+  /// brought it.
   StepHistogram force_age;
 
   /// [Hz] transactions with an answer.

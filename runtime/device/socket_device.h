@@ -16,11 +16,11 @@
 namespace palpate {
 
 /// The protocol (SOCKET.md beside this file has it for drivers in other languages):
-/// datagrams in order (SOCK_SEQPACKET), host byte order, told apart by their size. The
-/// driver process sends one hello, then a state whenever it has measured one, with its
-/// orientation where its hello was kTurnedHello; the renderer sends commands. A command
-/// acts until the next. The driver ends when the socket does, and puts the force to
-/// zero if the last command did not. Before it ends by itself it may say why.
+/// datagrams in order (SOCK_SEQPACKET), host byte order, distinguished by their size.
+/// The driver process sends one hello, then a state whenever it has measured one, with
+/// its orientation where its hello was kTurnedHello. The renderer sends commands. A
+/// command acts until the next. The driver ends when the socket does, and puts the
+/// force to zero if the last command did not. Before it ends by itself it may say why.
 constexpr std::array<char, 8> kHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '2'};
 constexpr std::array<char, 8> kTurnedHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '3'};
 
@@ -71,9 +71,9 @@ struct SocketPatience {
 /// write() says kLost.
 class SocketDevice : public Device {
  public:
-  /// Connects, waits for the hello, and looks for a tenth of a second at most how long
-  /// the driver's wire holds a force (limits()): from one state to the next, the
-  /// median.
+  /// Connects and waits for the hello. Then looks for a tenth of a second at most how
+  /// long the driver's wire holds a force (limits()). The measure is the median time
+  /// from one state to the next.
   /// @throws DeviceError; Interrupted when stopped.
   explicit SocketDevice(const std::filesystem::path& socket,
                         const SocketPatience& patience = {});

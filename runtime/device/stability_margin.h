@@ -9,9 +9,9 @@
 namespace palpate {
 
 /// The stiffest thing that a table can make the device feel. Slopes below zero need no
-/// bound: a force that is held while the tool moves by dx differs from that of the
-/// potential by m dx^2 / 2 of work, which for m < 0 the tick takes. A tool that such a
-/// curve lets snap through gets back what it put in, no more.
+/// bound. A force that is held while the tool moves by dx differs from that of the
+/// potential by m dx^2 / 2 of work. For m < 0 the tick takes that work. A tool that
+/// such a curve lets snap through gets back what it put in, no more.
 struct RenderedStiffness {
   double normal_n_per_m = 0.0;  ///< [N/m] largest slope of any curve, or of the field
   std::int64_t node = -1;       ///< where; -1 without curves
@@ -19,7 +19,7 @@ struct RenderedStiffness {
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
   /// [N/m] at the border of the reach, where the field falls to nothing within an
-  /// element; 0: not known. Told, not demanded.
+  /// element; 0: not known. Stated, not demanded.
   double border_n_per_m = 0.0;
 
   /// The first two act at right angles, so the larger bounds the Jacobian of the force.

@@ -23,11 +23,12 @@ struct WrenchMargin {
   double stiffness_n_m_per_rad = 0.0;  ///< [N m/rad] largest of the turns alone
 };
 
-/// With the contacts' normals all along n, J_i = (n, r_i x n) and K = sum_ij J_i^T K_ij
-/// J_j, and the springs of friction across n: held forces give a hand no energy where B
-/// - (T/2 + delay) K is positive semidefinite (Colgate & Schenkel 1997 in every
-/// direction of six axes; Diolaiti et al. 2006 for the delay). The worst n of those
-/// along the axes and diagonals of space, as the tool may turn.
+/// With the contacts' normals all along n, J_i = (n, r_i x n). The stiffness is
+/// K = sum_ij J_i^T K_ij J_j, with the springs of friction across n. Held forces give a
+/// hand no energy where B - (T/2 + delay) K is positive semidefinite. The sources are
+/// Colgate & Schenkel 1997 in every direction of six axes; Diolaiti et al. 2006 for the
+/// delay. The worst n of those along the axes and diagonals of space, as the tool may
+/// turn.
 /// @param angular_n_m_s [N m s] viscous damping of turns; 0: not known, translations
 /// alone are checked. @param linear_n_s_per_m > 0.
 [[nodiscard]] WrenchMargin wrench_margin(const ContactStiffness& contacts,

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// One interval of a curve, or what follows its last sample, as one polynomial: with
-/// x = d - from, f = f_0 + x (m_0 + x (a + x b)), and the energy its antiderivative.
+/// One interval of a curve, or what follows its last sample, as one polynomial. With
+/// x = d - from, f = f_0 + x (m_0 + x (a + x b)), and the energy is its antiderivative.
 /// The same function as CurveView::at there; no division.
 struct CurvePiece {
   Real from_m = 0.0;  ///< [m] the piece holds for from < d <= to

@@ -18,8 +18,8 @@ namespace palpate {
 /// curves, so that a message has a fixed size.
 constexpr std::size_t kElementSamples = 48;
 
-/// That one tick takes in at most, of all contacts: a few microseconds each, so that a
-/// leap of many contacts does not make a tick late.
+/// Most elements that one tick takes in, of all contacts. An element takes a few
+/// microseconds, so a leap of many contacts does not make a tick late.
 constexpr int kElementsATick = 64;
 
 using ElementSample = BasicResponseSample<Real>;
@@ -64,9 +64,9 @@ struct ElementNode {
   std::array<Real, 3> position_m{};  ///< [m] world frame
   std::array<Real, 3> normal{};      ///< [-] outward unit normal of the body
   std::array<Real, 3> direction{};  ///< [-] unit, force on the tool; 0 without response
-  /// [-] tangential force over the normal one where the tool is at height 0 on the
-  /// node's line, along the surface, and by how much it changes with the height [1/m]:
-  /// at the heights of the curve's depths its length is at most 1. (smooth_triangle.h)
+  /// [-] tangential force over the normal one, along the surface, with the tool at
+  /// height 0 on the node's line. Also its change with the height [1/m]. At the heights
+  /// of the curve's depths the tilt's length is at most 1. (smooth_triangle.h)
   std::array<Real, 3> tilt{};
   std::array<Real, 3> tilt_by_height_per_m{};
   Real touch_offset_m = 0.0;  ///< [m] normal penetration at first touch

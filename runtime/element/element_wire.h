@@ -1,6 +1,7 @@
 // Element messages on a wire, between a slow process on one processor and a fast one on
-// another. Every frame has the same size; what is lost, repeated, late or broken on the
-// way is counted and does no harm: the fast step goes on with the elements it has.
+// another. Every frame has the same size. A frame that is lost, repeated, late or
+// broken on the way is counted and does no harm. The fast step goes on with the
+// elements it has.
 //
 // A frame, little-endian, floating point as IEEE 754 binary64 or, for a receiver whose
 // Real is float, binary32; r is their size, 8 or 4:

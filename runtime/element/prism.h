@@ -6,9 +6,9 @@
 //   x = p(n) + s n_out(n),   p = sum n_j v_j,   n_out = N / |N|,   N = sum n_j n_j^out
 //
 // Neighbouring elements agree on the face between their prisms, where the weight of the
-// third corner is zero: coordinates, and what is interpolated by them, are continuous.
-// The map folds where s reaches the radius of curvature of the interpolated normals:
-// under a convex place, or over a concave one. There `scale` reaches zero.
+// third corner is zero. So coordinates, and what is interpolated by them, are
+// continuous. The map folds where s reaches the radius of curvature of the interpolated
+// normals: under a convex place, or over a concave one. There `scale` reaches zero.
 #pragma once
 
 #include <cstdint>
@@ -87,13 +87,13 @@ enum class PrismSolve : std::uint8_t {
 Real newton_step(const PrismFrame& frame, const Vector3& r_m, Real size_m,
                  PrismPoint& at) noexcept;
 
-/// Coordinates of the point r_m [m] away from the frame's to second order: with
-/// delta = J^-1 r and tau = d1 bend1 + d2 bend2, the map's second-order part
-/// q = ds tau - s (d ln|N|) tau - s |tau|^2 n / 2 is taken off r.
+/// Coordinates of the point r_m [m] away from the frame's to second order. Let
+/// delta = J^-1 r and tau = d1 bend1 + d2 bend2. Then the map's second-order part is
+/// taken off r: q = ds tau - s (d ln|N|) tau - s |tau|^2 n / 2.
 void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
              PrismPoint& at) noexcept;
 
-/// Coordinates of x by Newton's method from `at`, which is left at the last estimate;
+/// Coordinates of x by Newton's method from `at`, which is left at the last estimate.
 /// `frame` is that of the solution to 1e-7 (float: 1e-4) of the element's size, its
 /// position x.
 [[nodiscard]] PrismSolve find_coordinates(const Prism& prism, const Vector3& x_m,
@@ -101,7 +101,7 @@ void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
                                           PrismFrame& frame) noexcept;
 
 /// Gradient at the frame's point [per m] of a function with these derivatives by n_1,
-/// n_2 (n_0 giving way) and s [m].
+/// n_2 (n_0 compensating) and s [m].
 [[nodiscard]] Vector3 gradient(const PrismFrame& frame, Real by_n1, Real by_n2,
                                Real by_s_per_m) noexcept;
 

@@ -15,9 +15,9 @@
 
 namespace palpate {
 
-/// Where the tool is. Where that is sound (`folded` false, `outside` false) weights and
-/// height are a continuous function of the tool's position, whatever the elements on
-/// the way; of the smooth field their gradients are, too.
+/// Where the tool is. Where that place is sound (`folded` false, `outside` false),
+/// weights and height are continuous functions of the tool's position, whatever
+/// elements lie between. Gradients of the smooth field are continuous, too.
 struct FieldPlace {
   FieldKind kind = FieldKind::kSmooth;
   int slot = -1;                         ///< element in the cache; -1: none
@@ -50,9 +50,9 @@ void set_facet(FieldPlace& place, const PrismPoint& at,
 [[nodiscard]] Vector3 gradient(const FieldPlace& place, const Vector3& slope,
                                Real by_height_per_m) noexcept;
 
-/// The place on the surface at rest that is pressed [m]: on facets sum w_j v_j; in the
-/// smooth field the tool's own place, projected onto the tangent planes of the nodes,
-/// x - sum w_j n_j (n_j . (x - v_j)).
+/// The place on the surface at rest that is pressed [m]. On facets it is sum w_j v_j.
+/// In the smooth field it is the tool's own place, projected onto the tangent planes of
+/// the nodes: x - sum w_j n_j (n_j . (x - v_j)).
 [[nodiscard]] Vector3 foot_m(const FieldPlace& place) noexcept;
 
 /// Its derivatives by the place's coordinates, one per column.

@@ -1,15 +1,15 @@
 // Weights and a height over one surface element, continuous with their gradients over
 // the whole surface.
 //
-// The element's corners v_j have outward normals n_j and rises r_j(s) = p_j + s q_j,
-// the gradients that the height s is to have there: a node's force over its normal
-// part, straight in s as its tilt is. On the node's line v_j + s n_j the height is s,
-// its gradient r_j(s), and the node's weight is 1.
+// The element's corners v_j have outward normals n_j and rises r_j(s) = p_j + s q_j. A
+// rise is the gradient that the height s is to have at the corner. The rise is a node's
+// force over its normal part, straight in s as the node's tilt is. On the node's line
+// v_j + s n_j the height is s, its gradient r_j(s), and the node's weight is 1.
 //
-// Edge i goes from v_j to v_k (j, k after i, cyclic), e = v_k - v_j. With the normal
-// N(t) = n_j + t (n_k - n_j), m = unit((n_j + n_k) x e), a place x has the coordinate
-// t_i along it and the offset beta_i from the face that the edge sweeps along its
-// normals,
+// Edge i goes from v_j to v_k (j, k after i, cyclic), e = v_k - v_j. The edge has the
+// normal N(t) = n_j + t (n_k - n_j), and m = unit((n_j + n_k) x e). A place x has the
+// coordinate t_i along the edge. Its offset from the face that the edge sweeps along
+// its normals is beta_i,
 //
 //   x - (v_j + t e) = alpha N(t) + beta m,
 //
@@ -18,9 +18,9 @@
 // shares, >= 0 over the element.
 //
 // Side weights (Nielson 1979) W_i = (b_j b_k)^2 / sum are 1 on face i, where the others
-// vanish with b_i^2, so that what they blend is there a function of (x, t_i, beta_i) up
-// to second order. With H(t) = t^2 (3 - 2 t) of t held in [0, 1], eps(t) = 2 t^2 (1 -
-// t)^2:
+// vanish with b_i^2. So what they blend is there a function of (x, t_i, beta_i) up to
+// second order. With H(t) = t^2 (3 - 2 t) of t held in [0, 1], eps(t) = 2 t^2
+// (1 - t)^2:
 //
 //   w_k += W_i H(t_i),  w_j += W_i (1 - H(t_i)),
 //   s = [sum_j w_j p_j . (x - v_j) + sum_i W_i ((t_i - H) beta_i tau_i - eps gamma_i
@@ -34,8 +34,9 @@
 // bend towards the third corner, of the three gamma. So in a plane s reproduces every
 // quadratic of the place.
 //
-// Neighbours share value and gradient on the face, whatever their triangles: functions
-// of w and s that use the nodes' data alone are C1 there, and at the nodes' lines.
+// Neighbours share value and gradient on the face, whatever their triangles. So
+// functions of w and s that use the nodes' data alone are C1 there, and at the nodes'
+// lines.
 #pragma once
 
 #include <array>
@@ -61,8 +62,9 @@ struct SmoothSides {
 [[nodiscard]] SmoothSides sides_at(const SmoothTriangle& triangle,
                                    const Vector3& x_m) noexcept;
 
-/// The least that coordinates, their sum and the height's equation may be stretched by,
-/// of what they are on the triangle, where they are still taken for sound.
+/// Least stretch at which a place is still taken for sound. The value bounds the
+/// stretch of coordinates, their sum and the height's equation, relative to what they
+/// are on the triangle.
 constexpr Real kStretchMin = 0.2;
 
 /// Weights and height at a place.
@@ -77,9 +79,10 @@ struct SmoothPoint {
 [[nodiscard]] bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
                               const Vector3& x_m, SmoothPoint& point) noexcept;
 
-/// Their continuation beyond the element's edges, where no neighbour is at hand: that
-/// of the edge beyond which x is, whose ends go on as their tangent planes. With its
-/// gradient continuous over the edge. @returns whether it is sound.
+/// Continuation of these functions beyond the element's edges, where no neighbour is at
+/// hand. The continuation is that of the edge beyond which x is; that edge's ends go on
+/// as their tangent planes. With its gradient continuous over the edge. @returns
+/// whether it is sound.
 [[nodiscard]] bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
                               const Vector3& x_m, SmoothPoint& point) noexcept;
 

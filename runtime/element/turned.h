@@ -7,8 +7,9 @@
 
 namespace palpate {
 
-/// dw_j (rows) by the place's three coordinates (columns): those of space [1/m] in the
-/// smooth field; n_1 and n_2 [-], n_0 giving way, on facets, which have no third.
+/// dw_j (rows) by the place's three coordinates (columns). In the smooth field these
+/// are those of space [1/m]. On facets they are n_1 and n_2 [-], with n_0 compensating;
+/// facets have no third.
 using Turn = Matrix3;
 
 /// A value at the place, and its derivatives by the same coordinates.

@@ -33,9 +33,9 @@ struct SerialFaults {
   double drop = 0.0;             ///< [0, 1] of answered bytes are lost
 };
 
-/// Bytes take their time on the line (10 bits each); an IN packet leaves when it is
-/// full, when the event character has come, or when the latency timer, restarted by
-/// every packet, runs out, with or without data.
+/// Bytes take their time on the line (10 bits each). An IN packet leaves when it is
+/// full, when the event character has come, or when the latency timer runs out, with or
+/// without data. Every packet restarts the timer.
 class FtdiChip : public UsbModel {
  public:
   FtdiChip(SerialEnd& end, const UsbIdentity& identity, const SerialFaults& faults)

@@ -1,6 +1,6 @@
-// What boards behind a serial port over USB have in common in simulation: bytes that
-// wait to be fetched, a tool and its account, and a bus that goes wrong between board
-// and driver.
+// What boards behind a serial port over USB have in common in simulation. Such boards
+// have bytes that wait to be fetched, a tool and its account, and a bus that goes wrong
+// between board and driver.
 #pragma once
 
 #include <cstdint>

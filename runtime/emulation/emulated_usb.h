@@ -1,5 +1,6 @@
 // Makes a model of a USB device look to libusb like an open file of the kernel's usbfs,
-// in this process: no root, no kernel module, the same libusb code as with hardware.
+// in this process. The emulation needs no root and no kernel module, and runs the same
+// libusb code as with hardware.
 //
 // The program's ioctl() is interposed: requests to the emulator's descriptor are
 // answered here, all others go on to the next ioctl() in line. Only a program that uses
@@ -21,8 +22,8 @@ namespace palpate {
 
 class EmulatedUsb {
  public:
-  /// The model is called under a lock, by the threads that use the descriptor and by
-  /// one of its own that completes transfers when their time has come.
+  /// The model is called under a lock, by the threads that use the descriptor. A thread
+  /// of its own calls it, too, and completes transfers when their time has come.
   /// @throws DeviceError if the system gives no descriptor.
   explicit EmulatedUsb(UsbModel& model);
   ~EmulatedUsb();

@@ -17,8 +17,8 @@ struct UsbSetup {
 };
 
 /// Times [ns] never go back. What a call returns is a number of bytes, or a negative
-/// errno: -ENODEV gone, -EPIPE stalled, -EPROTO an error on the wire, -EAGAIN nothing
-/// yet.
+/// errno. The errnos are -ENODEV gone, -EPIPE stalled, -EPROTO an error on the wire,
+/// -EAGAIN nothing yet.
 class UsbModel {
  public:
   UsbModel() = default;

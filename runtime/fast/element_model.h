@@ -24,10 +24,11 @@ struct ElementModelLimits {
 void relax_before(ElementModel& model, const ElementCache& cache, SurfaceMemory& memory,
                   PassivityLedger& ledger, const Vector3& x_m, Real half_s) noexcept;
 
-/// The rest of the tick: books the work of the movement to x_m, then changes the model
-/// there (new element, sliding, k_t, recovery of delta_0, the other half of what the
-/// surface relaxes) by way of the ledger. What the allowance does not cover is taken
-/// from the friction spring first (the anchor slips, (23)), then by raising delta_0.
+/// The rest of the tick. Books the work of the movement to x_m, then changes the model
+/// there by way of the ledger. Changes are a new element, sliding, k_t, recovery of
+/// delta_0, and the other half of what the surface relaxes. What the allowance does not
+/// cover is taken from the friction spring first (the anchor slips, (23)), then by
+/// raising delta_0.
 /// @param x_m finite. @return the response of the changed model at x_m.
 ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory& memory,
                         PassivityLedger& ledger, const ElementModelLimits& limits,

@@ -1,12 +1,13 @@
 // The potential of section 5.2 of the paper: the curves of the active element at the
 // fast rate, with friction.
 //
-// Symbols: x tool reference point (a sphere's centre), R its radius; x_c contact point
-// in the active element with area coordinates n_j (27); n outward surface normal and
-// u = u_n response direction there, both interpolated from the nodes (26);
-// p = x - R n tool point; d = (x_c - p) . u depth (30); t_j = touch_offset_j |n_j .
-// u_j| where node j is touched, d_j = d - t_j - delta_0; k_t friction stiffness,
-// delta_t = tangential part of p - x_c - q, q slip that the ledger took.
+// Symbols: x is the tool reference point (a sphere's centre), R its radius. x_c is the
+// contact point in the active element, with area coordinates n_j (27). n is the outward
+// surface normal and u = u_n the response direction there, both interpolated from the
+// nodes (26). p = x - R n is the tool point. The depth is d = (x_c - p) . u (30). Node
+// j is touched at t_j = touch_offset_j |n_j . u_j|; d_j = d - t_j - delta_0. k_t is the
+// friction stiffness, delta_t the tangential part of p - x_c - q, q the slip that the
+// ledger took.
 //
 // For fixed parameters the model is the potential
 //
@@ -14,9 +15,9 @@
 //   delta_t
 //
 // (28), (29). Where x_c has left the element and no neighbour is at hand, the element's
-// plane is continued: depth and friction are taken at the anchor a in that plane, the
-// responses at the point x_c of the element nearest to it ("a correct response at a
-// wrong place"). Inside the element a = x_c.
+// plane is continued. Depth and friction are taken at the anchor a in that plane. The
+// responses are taken at the point x_c of the element nearest to a ("a correct response
+// at a wrong place"). Inside the element a = x_c.
 //
 // Where the surface remembers being pressed, sum n_j E_j is u of relaxing_contact.h at
 // x_c, at frozen memory.

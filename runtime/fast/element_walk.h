@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// Puts the anchor at the area coordinates `area` of the element in `slot` (negative
-/// ones: outside, x_c is then the nearest point of the element) and interpolates all
+/// Puts the anchor at the area coordinates `area` of the element in `slot`. Negative
+/// ones mean outside; x_c is then the nearest point of the element. Interpolates all
 /// that depends on x_c: u, n, t_j, mu, delta_L. Leaves k_t, q and delta_0 alone. A
 /// triangle without area holds the anchor at its first corner.
 void place(ElementModel& model, const ElementCache& cache, int slot,
@@ -20,9 +20,10 @@ void place(ElementModel& model, const ElementCache& cache, int slot,
 void adopt(ElementModel& model, const ElementCache& cache, int slot, const Vector3& x_m,
            Real tool_radius_m) noexcept;
 
-/// Moves the anchor so that the tool's tangential deflection becomes tau (one Newton
-/// step of x - tau = a + R n(a) - d u(a); quadratic, and the tool moves little in a
-/// tick), crossing edges into neighbours that the cache holds. Sets outside, starved.
+/// Moves the anchor so that the tool's tangential deflection becomes tau. The move is
+/// one Newton step of x - tau = a + R n(a) - d u(a), which is quadratic; the tool moves
+/// little in a tick. The anchor crosses edges into neighbours that the cache holds.
+/// Sets outside, starved.
 /// @param tau_m [m] wanted delta_t, tangential; zero without friction.
 void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
             const Vector3& tau_m, Real tool_radius_m) noexcept;

@@ -101,9 +101,9 @@ struct FastState {
 [[nodiscard]] bool is_finite(const Element& element) noexcept;
 
 /// Takes in one element of the slow process. For the scalar models an element marked
-/// active is the slow update: its response at the next sample is the slow simulation's
-/// value, and the model goes on from there until the next one. One with a number that
-/// is not finite is not taken in: a fault.
+/// active is the slow update. Its response at the next sample is the slow simulation's
+/// value. The model goes on from that value until the next update. One with a number
+/// that is not finite is not taken in: a fault.
 void accept(FastState& state, const Element& element) noexcept;
 
 /// Longest time since the last step [s]; beyond it a step is a fault.
@@ -121,8 +121,9 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
 void relax_ahead(FastState& state, Real dt_s) noexcept;
 
 /// Tells the account what the device made of the latest command, where its driver could
-/// not render it whole: motors that saturate, a pose without transmission, an exchange
-/// that was missed. Without a call the command counts as rendered.
+/// not render the whole command. Causes are motors that saturate, a pose without
+/// transmission, and an exchange that was missed. Without a call the command counts as
+/// rendered.
 /// @param force_n [N] on the tool until the next step. A vector that is not finite
 ///   counts as the command.
 void delivered(FastState& state, const Vector3& force_n) noexcept;

@@ -2,10 +2,10 @@
 // plane.
 //
 // k_t |delta_t|^2 / 2 with k_t = mu F_n / delta_L, delta_t the movement of the contact
-// in the plane since it stuck, at most delta_L. It turns with the plane and keeps its
-// length, so that it stores the same; where k_t grows, the anchor follows so that it
-// stores no more, |delta_t| sqrt(k_t) constant (23); where k_t falls, what it gives up
-// is lost.
+// in the plane since it stuck, at most delta_L. The spring turns with the plane and
+// keeps its length, so it stores the same. Where k_t grows, the anchor follows so that
+// the spring stores no more, |delta_t| sqrt(k_t) constant (23). Where k_t falls, the
+// energy that the spring gives up is lost.
 #pragma once
 
 #include "runtime/account/real.h"

@@ -1,18 +1,19 @@
 // The potential field of a body: the energies of the stored curves, interpolated over
 // the surface's elements.
 //
-// With weights w_j and height s of the place, d = R - s the normal penetration of a
-// tool of radius R, t_j the touch offset and c_j = |n_j^out . u_j| of node j, E_j its
-// stored curve's energy, delta_0 >= 0 the relaxed state:
+// Symbols: w_j are the weights and s the height of the place. d = R - s is the normal
+// penetration of a tool of radius R. Node j has the touch offset t_j, c_j = |n_j^out .
+// u_j|, and the energy E_j of its stored curve. delta_0 >= 0 is the relaxed state.
 //
 //   U(x) = sum_j w_j E_j(c_j (d - t_j - delta_0)),    F = -grad U
 //        = N grad s - sum_j E_j grad w_j,             N = sum_j w_j c_j f_j(...)
 //
 // Smooth (smooth_triangle.h): w and s have gradients that are continuous over the whole
-// surface, and so has U: F has no steps. On the line of a node grad w vanishes, grad s
-// is the stored direction over its normal part, and F is the stored force at every
-// depth. On facets (prism.h) w are area coordinates and s is the height over the flat
-// element: F steps across edges where slopes of the surface or of the responses do.
+// surface, and so has U: F has no steps. On the line of a node grad w vanishes, and
+// grad s is the stored direction over its normal part. There F is the stored force at
+// every depth. On facets (prism.h) w are area coordinates and s is the height over the
+// flat element. There F steps across edges where slopes of the surface or of the
+// responses do.
 //
 // A node without response counts as one of zero energy: U falls to zero towards it, and
 // stays continuous. U >= 0, because w and E are.
@@ -43,8 +44,8 @@ struct FieldResponse {
   Vector3 force_n = Vector3::Zero();  ///< [N] F, on the tool
 };
 
-/// A field that is one function changes by no more than this many times the force times
-/// the movement, and kLeapJ [J]; more is a leap to another sheet of it.
+/// A field that is one function changes by no more than kLeap times the force times the
+/// movement, and kLeapJ [J]. A larger change is a leap to another sheet of the field.
 constexpr Real kLeap = 4.0;
 constexpr Real kLeapJ = rounding(1e-15, 1e-8);
 

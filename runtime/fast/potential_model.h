@@ -1,11 +1,12 @@
 // The potential field as a local model: followed along the surface, with friction, kept
 // passive by the ledger.
 //
-// While the tool moves through elements at hand nothing changes but the tool's place:
-// the field is one function of it, the work is U(x_{k+1}) - U(x_k), and the ledger has
-// nothing to pay. It has where the field itself changes: a late neighbour, a fold
-// of the coordinates, another sheet of the body after a leap. Then what was rendered
-// until that tick is, to first order in the tangent plane and exactly along the normal,
+// While the tool moves through elements at hand, nothing changes but the tool's place.
+// The field is one function of that place, the work is U(x_{k+1}) - U(x_k), and the
+// ledger has nothing to pay. The ledger has to pay where the field itself changes.
+// Causes are a late neighbour, a fold of the coordinates, and another sheet of the body
+// after a leap. Then what was rendered until that tick is, to first order in the
+// tangent plane and exactly along the normal,
 //
 //   E(x) = max(0, sum_j w_j E_j(c_j (d - grad s . (x - x_k) - t_j - delta_0))
 //                 - F_t . (x - x_k))
@@ -16,7 +17,7 @@
 // Friction is a spring in the tangent plane of x_k (friction_spring.h), which asks
 // nothing of the ledger.
 //
-// Where the surface remembers (relaxing_contact.h), U is u at frozen memory, and a tick
+// Where the surface remembers (relaxing_contact.h), U is u at frozen memory. A tick
 // relaxes for half its time before the tool moves and for half after.
 #pragma once
 

@@ -49,10 +49,10 @@ struct SimulatedMotion {
 ///   k_l/c_l
 ///
 /// In steps of kStepS the linear part is solved exactly (matrix exponential) under
-/// forces held constant; dry friction is the constant force of at most coulomb_n that
-/// stops the tool within the step, so that it sticks without creep. The clock drives
-/// it: each call first advances to now, so simulated and real time run the same code,
-/// and simulated time gives the same bits every time.
+/// forces held constant. Dry friction is the constant force of at most coulomb_n that
+/// stops the tool within the step, so the tool sticks without creep. The clock drives
+/// the device. Each call first advances to now, so simulated and real time run the same
+/// code, and simulated time gives the same bits every time.
 class SimulatedDevice : public Device {
  public:
   static constexpr std::int64_t kStepNs = 50'000;
@@ -92,7 +92,8 @@ class SimulatedDevice : public Device {
   [[nodiscard]] double rendered_work_j() const noexcept { return rendered_work_j_; }
 
   /// Length of the tool's way since open() [m], and the integral of its squared speed
-  /// over time [m^2/s]; times the viscous damping: what that has absorbed [J].
+  /// over time [m^2/s]. Times the viscous damping, that integral is what the damping
+  /// has absorbed [J].
   [[nodiscard]] double path_m() const noexcept { return path_m_; }
   [[nodiscard]] double squared_speed_m2_per_s() const noexcept {
     return squared_speed_m2_per_s_;

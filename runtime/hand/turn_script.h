@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// From upright on the surface it rocks to both sides and turns about the normal to and
-/// fro, at speeds that have no common period; at rest at time 0.
+/// From upright on the surface the tool rocks to both sides and turns about the normal
+/// to and fro. The speeds have no common period; the tool is at rest at time 0.
 struct TurnScript {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< [-] the tool's z when upright
   double tilt_rad = 0.1;                              ///< [rad] most about either side

@@ -1,5 +1,5 @@
-// A simulated hand that wanders over a body at a constant speed, pressing all the time:
-// it meets the body's places in an order that nobody knows beforehand.
+// A simulated hand that wanders over a body at a constant speed, pressing all the time.
+// The hand meets the body's places in an order that nobody knows beforehand.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Haply's Inverse service without Haply: a WebSocket server with the mechanism's
-// dynamics and the hand that holds it, in a thread of its own. It answers every message
-// with one state, says what happens to its device on its events port, and can do
-// everything wrong that a driver must survive.
+// dynamics and the hand that holds it, in a thread of its own. The server answers every
+// message with one state and says on its events port what happens to its device. The
+// server can do everything wrong that a driver must survive.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Haply's Inverse3, Inverse3x and Minverse through Haply's Inverse service, which runs
-// on this machine, owns the device and speaks JSON over a WebSocket: one state for
-// every command (inverse_message.h).
+// Haply's Inverse3, Inverse3x and Minverse through Haply's Inverse service. The service
+// runs on this machine, owns the device and speaks JSON over a WebSocket. The service
+// sends one state for every command (inverse_message.h).
 #pragma once
 
 #include <array>
@@ -37,14 +37,15 @@ struct InverseConfig {
   std::shared_ptr<const void> kept{};              ///< lives as long as the link
 };
 
-/// Watches the service's events beside its states. Whatever ends the exchange, the
-/// name for it is failure(): unplugged, busy, not ready, emergency brake, stall, a
-/// message that was refused, a service that stopped. The next message is then zero
+/// Watches the service's events beside its states. Whatever ends the exchange, the name
+/// for it is failure(). Causes are: unplugged, busy, not ready, emergency brake, stall,
+/// a message that was refused, a service that stopped. The next message is then zero
 /// force, the last one; and the session is ended, with what it asked for. After a state
-/// that did not come in time the force is zero until one does, and that one answers the
-/// latest command: late ones before it are passed over. A grip that is there when it is
-/// opened says how the tool is turned; when it is not heard of for kGripSilentMax
-/// states, or says what is no orientation, that is a fault, too.
+/// that did not come in time the force is zero until one does. That state answers the
+/// latest command: late ones before it are passed over. A grip that is there when the
+/// link is opened says how the tool is turned. A grip that is not heard of for
+/// kGripSilentMax states is a fault. A grip that says what is no orientation is a
+/// fault, too.
 class InverseLink : public DeviceLink {
  public:
   /// @throws InputError for a profile or id that cannot be a name.

@@ -1,5 +1,5 @@
-// A WebSocket client for a service on this machine (RFC 6455), for a loop: all memory
-// is taken in the constructor, every call has a deadline, and a message that is half
+// A WebSocket client for a service on this machine (RFC 6455), for a loop. All memory
+// is taken in the constructor, and every call has a deadline. A message that is half
 // there at its deadline goes on arriving in the next call.
 //
 // Boost.Beast's WebSocket streams are not used: a read of theirs that runs into a

@@ -5,9 +5,9 @@
 //
 //   q_k' = (s - q_k) / tau_k,
 //
-// linear, without the response's curve. With lambda_r the roots of
+// linear, without the response's curve. lambda_r are the roots of
 // 1 = sum g_k / (1 + lambda tau_k), one in each interval (-1/tau_r, -1/tau_{r+1}) and
-// the last in (-1/tau_K, 0], and zeta_rk = 1 + lambda_r tau_k,
+// the last in (-1/tau_K, 0]. With zeta_rk = 1 + lambda_r tau_k,
 //
 //   q_k(t) = q_k(0) e^(-t/tau_k) + sum_r c_r (e^(lambda_r t) - e^(-t/tau_k)) / zeta_rk,
 //   c_r = sum_k g_k tau_k q_k(0) / zeta_rk / sum_k g_k tau_k / zeta_rk^2

@@ -68,7 +68,7 @@ struct PlaceCurve {
 };
 
 /// The pieces in which one bundle of the three nodes was evaluated last, as functions
-/// of y: each a cubic of x = y - from_m for from_m < y <= to_m.
+/// of y. Each piece is a cubic of x = y - from_m for from_m < y <= to_m.
 struct NodePieces {
   NodeValues from_m{0.0, 0.0, 0.0, -kFar};
   NodeValues to_m{0.0, 0.0, 0.0, kFar};
@@ -100,8 +100,8 @@ struct PlacePoint {
 /// Depth y of the first node that counts, where p begins [m].
 [[nodiscard]] Real first_touch_m(const PlaceCurve& curve) noexcept;
 
-/// One bundle around a depth: where all three nodes stay in their intervals, p is one
-/// cubic of x = y - origin, p = p_0 + x (p_1 + x (p_2 + x p_3)), and U its integral.
+/// One bundle around a depth. Where all three nodes stay in their intervals, p is one
+/// cubic of x = y - origin, p = p_0 + x (p_1 + x (p_2 + x p_3)). U is its integral.
 struct PlaceCubic {
   Real origin_m = 0.0;
   Real low_m = 0.0;  ///< [m] it holds for low < y <= high; empty: holds nowhere

@@ -1,17 +1,20 @@
 // Time passes for a contact with a surface that remembers, and for its account.
 //
-// Proof that relaxing creates nothing. The dent stores V = sum g_k U*(q_k) - U*(s) >=
-// 0, and u + V = min over d_c >= y of [U(d_c) - s d_c] + sum g_k U*(q_k). With p_0 =
-// max(p(y), s) of its beginning held through a step, every term g_k (U*(q_k) - d_c q_k)
-// is convex, has its least value at q_k = p_0, and q_k moves towards it: u + V falls at
-// fixed place for a step of any length. So the potential rises by no more than V falls,
-// and the account, which gives the dent at most what V is (passivity_ledger.h), pays
-// for it. It is short only where the tool has slid to a place whose dent stores more
-// than was put into it; then the step is shortened.
+// Proof that relaxing creates nothing. The dent stores
+// V = sum g_k U*(q_k) - U*(s) >= 0, and
+// u + V = min over d_c >= y of [U(d_c) - s d_c] + sum g_k U*(q_k).
+// With p_0 = max(p(y), s) of its beginning held through a step, every term
+// g_k (U*(q_k) - d_c q_k) is convex. Its least value is at q_k = p_0, and q_k moves
+// towards p_0. So u + V falls at a fixed place for a step of any length. Hence the
+// potential rises by no more than V falls. The account gives the dent at most what V is
+// (passivity_ledger.h), and pays for the rise. The account is short only where the tool
+// has slid to a place whose dent stores more than was put into it. Then the step is
+// shortened.
 //
-// A tick relaxes for half its time where the tool was, moves at frozen q, and relaxes
-// for the other half where it is now (Strang): of second order, for any time. Time that
-// is short against the shortest tau_k gathers before it is spent.
+// A tick relaxes for half its time where the tool was, and moves at frozen q. The tick
+// relaxes for the other half where the tool is now (Strang). The scheme is of second
+// order, for any time. Time that is short against the shortest tau_k gathers before it
+// is spent.
 #pragma once
 
 #include "runtime/account/passivity_ledger.h"

@@ -53,9 +53,9 @@ bool recover(RelaxingContact& contact, const SurfaceMemory& memory, int bundle,
 /// Back to where the step of a pressed bundle began.
 void undo(BundleContact& bundle, const BundleStart& start) noexcept;
 
-/// (delta(p_0) - delta(q_k)) times what q_k has gone, of each term [J]: times
-/// g_k (1 - share) what the bundle loses of its energy in the step, to first order.
-/// delta(q_k) is that last found.
+/// (delta(p_0) - delta(q_k)) times what q_k has gone, of each term [J]. Times
+/// g_k (1 - share) it is what the bundle loses of its energy in the step, to first
+/// order. delta(q_k) is that last found.
 [[nodiscard]] TermValues way_down(const RelaxingContact& contact,
                                   const BundleStart& start, int bundle) noexcept;
 

@@ -19,8 +19,8 @@
 // Here is the response at frozen memory; relaxation_step.h lets time pass.
 //
 // Where the surface yields (yielding_place.h), p and U are those of the elastic
-// response at the depth e = y - D: depths of the curve are l, distances and energies
-// are taken in e. yield_step.h raises what has yielded.
+// response at the depth e = y - D. There depths of the curve are l, and distances and
+// energies are taken in e. yield_step.h raises what has yielded.
 #pragma once
 
 #include <algorithm>
@@ -190,7 +190,7 @@ inline Real set_energy(RelaxingContact& contact, const ElementCache& cache,
 }
 
 /// Whether a tool at a depth without delta_0 [m] is over the surface as it was before
-/// it was ever pressed: there is nothing to feel of its memory.
+/// it was ever pressed. There the tool feels nothing of the surface's memory.
 [[nodiscard]] inline bool is_above(const RelaxingContact& contact,
                                    Real depth_m) noexcept {
   const auto& touch_m = contact.nodes.touch_m;

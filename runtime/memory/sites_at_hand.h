@@ -1,6 +1,6 @@
 // The memory of the sites that one element reads, at hand, and blended at a place.
 //
-// Corner j reads site i with the share m_ij >= 0, sum_i m_ij <= 1; at the place with
+// Corner j reads site i with the share m_ij >= 0, sum_i m_ij <= 1. At the place with
 // weights w_j a site weighs m_i = sum_j w_j m_ij, and
 //
 //   g_k = sum_j w_j g_jk,   q_k = sum_i m_i q_ik,   s = sum_k g_k q_k.
@@ -97,10 +97,10 @@ struct BlendedMemory {
 [[nodiscard]] Turned<Real> blended(
     const SitesAtHand& sites, const std::array<Real, kSitesAtHand>& value) noexcept;
 
-/// Moves the blended q_k of a bundle by a share of their way to a target: exactly, and
-/// through sites on this side of it, none of which passes it. Site i goes
-/// min(1, kappa m_i) of its own way, kappa one for all: at a rate that grows with its
-/// weight. Sites on the other side stay.
+/// Moves the blended q_k of a bundle by a share of their way to a target. The move is
+/// exact, and goes through sites on this side of the target, none of which passes it.
+/// Site i goes min(1, kappa m_i) of its own way, kappa one for all: at a rate that
+/// grows with its weight. Sites on the other side stay.
 /// @param blend    of the bundle before; after it, derivatives are those of the sites.
 /// @param from_n   [N] the blended q_k before.
 /// @param target_n [N] >= 0.

@@ -1,10 +1,10 @@
 // What a body's surface remembers of being pressed: relaxed forces at sites.
 //
 // A site is a place of the surface, known by its number in the database. Its memory
-// outlives the elements that read it. Only touched sites take a row here; the rows of a
-// site lie in one of several sets by its number, so that finding one is bounded work,
-// and a body with no more sites than rows never loses one. When a set is full, the site
-// that remembers least gives way: its dent is forgotten while nobody touches it.
+// outlives the elements that read it. Only touched sites take a row here. The rows of a
+// site lie in one of several sets by its number, so finding a row is bounded work. A
+// body with no more sites than rows never loses a site. When a set is full, the site
+// that remembers least makes room: its dent is forgotten while nobody touches it.
 #pragma once
 
 #include <array>

@@ -1,16 +1,16 @@
 // The surface yields under the tool: dents deepen, curves soften.
 //
 // Proof that yielding creates nothing. At a fixed place u of relaxing_contact.h falls
-// with the dent, du/dD = -(p_e - s) <= 0 in contact, and with softening: less of every
-// curve counts, and the dent's depth is where u is least. So whatever raises D and m at
-// a place where the tool rests frees energy; what it frees is booked as gone, none of
-// it into the tank. Nothing ever lowers them. No rule of how much and at which sites
-// enters the proof: where a site can take no more (yielded_sites.h), the place yields
-// less.
+// with the dent, du/dD = -(p_e - s) <= 0 in contact. u falls with softening, too: less
+// of every curve counts, and the dent's depth is where u is least. So whatever raises D
+// and m at a place where the tool rests frees energy. The freed energy is booked as
+// gone, none of it into the tank. Nothing ever lowers D and m. No rule of how much and
+// at which sites enters the proof: where a site can take no more (yielded_sites.h), the
+// place yields less.
 //
 // The rule: what a first press to the tool's depth would have left, D = r (y - Y) and
-// m = y. It is written to the sites by their weights, none of which passes it: those
-// that arrive leave the rest to the others, so that no dent is deeper than its press.
+// m = y. D and m are written to the sites by their weights, and no site passes them.
+// Sites that arrive leave the rest to the others, so no dent is deeper than its press.
 #pragma once
 
 #include "runtime/account/real.h"

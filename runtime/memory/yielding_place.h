@@ -1,9 +1,9 @@
 // A place of the surface that yields: dents that stay, curves that soften.
 //
 // State, at sites (sites_at_hand.h), blended at the place: D >= 0 the dent, m >= 0 the
-// depth up to which the curve has softened [m]. With p and U of place_curve.h, Y the
-// depth past which dents stay and r the share of what is past it, the elastic response
-// at the depth e = y - D is p stretched past Y,
+// depth up to which the curve has softened [m]. p and U are those of place_curve.h, Y
+// is the depth past which dents stay, and r the share of what is past Y. The elastic
+// response at the depth e = y - D is p stretched past Y,
 //
 //   p_e(e) = p(l),  U_e(e) = U(l)                      for e <= Y, l = e;
 //                   U_e(e) = r U(Y) + (1 - r) U(l)     past it, l = Y + (e - Y)/(1 - r)
@@ -19,8 +19,8 @@
 // of the response without damage (element.h), so that a first press, m = y, gives the
 // stored one.
 //
-// Y = sum w_j (t_j + d_y,j / c_j) and r = sum w_j r_j: linear in the place, as D and m
-// are, so that the potential U_e(y - D) is continuous over the surface.
+// Y = sum w_j (t_j + d_y,j / c_j) and r = sum w_j r_j are linear in the place, as D and
+// m are. So the potential U_e(y - D) is continuous over the surface.
 #pragma once
 
 #include <algorithm>

@@ -2,9 +2,10 @@
 // of a slow simulation (paper, 5.1).
 //
 // x is the penetration along the direction [m], f the force against it [N]. The passive
-// models differ in what an update makes of the slow value: the equal-energy update a
-// linear impedance f = k (x - c) for x > c, else 0, with relaxed state c (19) and
-// E = k (x - c)^2 / 2 (21); the energy tank the curve of slow_value_curve.h.
+// models differ in what an update makes of the slow value. The equal-energy update
+// makes a linear impedance f = k (x - c) for x > c, else 0, with relaxed state c (19).
+// The energy is E = k (x - c)^2 / 2 (21). The energy tank makes the curve of
+// slow_value_curve.h.
 #pragma once
 
 #include "runtime/account/local_model.h"
@@ -41,14 +42,14 @@ void advance(ScalarModel& model, PassivityLedger& ledger, Real x_m, Real dt_s) n
 /// A slow value arrives, computed where the tool is; advance() has booked the work of
 /// getting there, so ledger.stored_j is E_{i-1}(x_i).
 ///
-/// Equal energy: k by (20), c by (22). Where x did not move, or (20) is not between 0
-/// and ten times the larger of the two tangents (the force changed for another reason
-/// than x), k stays. Free space by (24). There is no tank.
+/// Equal energy: k by (20), c by (22). k stays where x did not move. k also stays where
+/// (20) is not between 0 and ten times the larger of the two tangents. There the force
+/// changed for another reason than x. Free space by (24). There is no tank.
 ///
-/// Energy tank: the curve of the slow value. If that costs more than the allowance, it
-/// is moved deeper until it holds what is allowed: the force is lower, the slope that
-/// of the response less deep. The tank keeps at most the curve's own energy at x_i and
-/// is emptied in free space.
+/// Energy tank: the curve of the slow value. If that costs more than the allowance, the
+/// curve is moved deeper until it holds what is allowed. Then the force is lower, and
+/// the slope is that of the response less deep. The tank keeps at most the curve's own
+/// energy at x_i and is emptied in free space.
 void update(ScalarModel& model, PassivityLedger& ledger,
             const SlowValue& slow) noexcept;
 

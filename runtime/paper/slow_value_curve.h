@@ -47,9 +47,9 @@ struct CurvePoint {
 };
 
 /// The curve of a slow value in contact. Where the cubic would pull or be steeper than
-/// three times what k and f/l say, it is the line that has f and the tangent's slope,
-/// or f^2/(2 E) where that is larger (a plateau's tangent would store more than the
-/// curve).
+/// three times what k and f/l say, the curve is a line. The line has f and the
+/// tangent's slope, or f^2/(2 E) where that is larger (a plateau's tangent would store
+/// more than the curve).
 [[nodiscard]] LocalCurve local_curve(const SlowValue& slow) noexcept;
 
 [[nodiscard]] CurvePoint at(const LocalCurve& curve, Real x_m) noexcept;

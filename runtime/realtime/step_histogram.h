@@ -33,8 +33,8 @@ class StepHistogram {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] double max_ns() const noexcept { return static_cast<double>(max_ns_); }
 
-  /// The duration [ns] that a `fraction` in (0, 1] of all steps did not exceed, rounded
-  /// up to the end of its bin; 0 without steps.
+  /// The duration [ns] that a `fraction` in (0, 1] of all steps did not exceed. The
+  /// duration is rounded up to the end of its bin; 0 without steps.
   [[nodiscard]] double percentile_ns(double fraction) const noexcept {
     const auto wanted =
         static_cast<std::uint64_t>(std::ceil(fraction * static_cast<double>(count_)));

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// Exactly one writer thread and one reader thread, both wait-free. Three slots: the
-/// writer fills its own, the reader reads its own, and the third changes hands in one
-/// atomic exchange, so that a value is never seen half written.
+/// Exactly one writer thread and one reader thread, both wait-free. There are three
+/// slots. The writer fills its own, the reader reads its own, and the third changes
+/// hands in one atomic exchange. So a value is never seen half written.
 template <typename T>
 // Indices have cache lines of their own, hence padding.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)

@@ -12,10 +12,10 @@
 
 namespace palpate {
 
-/// Empties the queues of a Telemetry into a file: in a thread of its own, or, in
-/// simulated time, when drain() is called, so that the file is the same every time. A
-/// file that cannot be written any more ends the recording, not the run; failure() says
-/// so.
+/// Empties the queues of a Telemetry into a file, in a thread of its own. In simulated
+/// time drain() empties them when it is called, so that the file is the same every
+/// time. A file that cannot be written any more ends the recording, not the run;
+/// failure() says so.
 class Recorder {
  public:
   /// @throws InputError if the place cannot be written.

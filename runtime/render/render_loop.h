@@ -48,8 +48,8 @@ struct RenderedTool {
 /// Both processes take turns in the calling thread, by `clock`: with a SimulatedClock
 /// the same input gives the same bits. Ends after duration_s, by `stop` or by a fault;
 /// in any case with zero force. A slow process that throws ends, and
-/// report.slow_failure says why: the fast one goes on with the elements that it has,
-/// until its watch raises slow-stalled (in contact, after stall_fault_s). @throws
+/// report.slow_failure says why. The fast process goes on with the elements that it
+/// has, until its watch raises slow-stalled (in contact, after stall_fault_s). @throws
 /// InputError, DeviceError (opening).
 [[nodiscard]] RenderReport render_in_turns(const RenderConfig& config,
                                            const RenderSetup& setup, Clock& clock);
@@ -59,11 +59,11 @@ struct RenderedTool {
 [[nodiscard]] RenderReport render_in_real_time(const RenderConfig& config,
                                                const RenderSetup& setup);
 
-/// Several tools at once: to each its device, its elements, its fast process with local
-/// model and ledger; the slow process is one and serves them in their order. A tool
-/// that faults ends alone. Tools do not feel each other: every response is that of the
-/// body pressed by one of them. @param tools at least one; the same durations and slow
-/// rates. @returns a report each. @throws InputError, DeviceError.
+/// Several tools at once. Each tool has its device, its elements, and its fast process
+/// with local model and ledger. The slow process is one and serves the tools in their
+/// order. A tool that faults ends alone. Tools do not feel each other: every response
+/// is that of the body pressed by one of them. @param tools at least one; the same
+/// durations and slow rates. @returns a report each. @throws InputError, DeviceError.
 [[nodiscard]] std::vector<RenderReport> render_in_turns(
     std::span<const RenderedTool> tools, Clock& clock);
 

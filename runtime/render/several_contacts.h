@@ -1,4 +1,4 @@
-// Tools that touch at several places at once, or two hands on one body, on devices that
+// Tools that touch at several places at once, or two hands on one body. Their devices
 // push them and may measure how they are turned.
 #pragma once
 
@@ -63,9 +63,9 @@ class SeveralContacts : public RenderedBody {
   void raise(Fault fault) noexcept override { raise_fault(state(), fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
-  /// The stream's body has changed: every element that is held is taken from it anew,
-  /// and a tick passes without time or movement, so that the body changes for all
-  /// contacts at once and the ledger books that as a change. One contact of one hand
+  /// The stream's body has changed. Every element that is held is taken from the stream
+  /// anew, and a tick passes without time or movement. So the body changes for all
+  /// contacts at once, and the ledger books that as a change. One contact of one hand
   /// gets its own at the next updates. Not in a tick, nor of a tool that hangs.
   void renew();
 

@@ -21,8 +21,9 @@ struct SurfaceDent {
 /// Of a state between two steps: sites at hand and in the table, as they are now.
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const FastState& state);
 
-/// Of all contacts with the responses of that table: of sites that several contacts
-/// have pressed, the one that carries most (each has its own dents).
+/// Dents of all contacts with the responses of that table. Of a site that several
+/// contacts have pressed, the dent is the one that carries most (each contact has its
+/// own dents).
 /// @param table of the set's spheres, [0, kResponseTables).
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const CoupledState& state,
                                                      int table);

@@ -1,6 +1,6 @@
 // What a device's wire does to a hand while it is rendered. The account of the local
-// model (account/passivity_ledger.h) cannot see a wire: it books positions as they
-// come, and forces act as long as the wire holds them.
+// model (account/passivity_ledger.h) cannot see a wire. The account books positions as
+// they come, and forces act as long as the wire holds them.
 #pragma once
 
 #include <array>
@@ -23,16 +23,17 @@ struct WireLimits {
   double floor_j = 0.01;           ///< [J] > 0 that a hand may be given
 };
 
-/// A passivity observer (Hannaford & Ryu 2002) on forces as they were held, F of the
-/// movement dx in the time dt that the wire took for it:
+/// A passivity observer (Hannaford & Ryu 2002) on forces as they were held. F is the
+/// force held during the movement dx, and dt the time that the wire took for the
+/// movement:
 ///
 ///   left <- min(available, left - F dx + b |dx|^2 / dt + p dt)
 ///
 /// available is what the model could give back, b counts while a force acts, p is 2 mW,
 /// which any hand takes. So what the hand put in, and what the mechanism's damping
-/// took, pays for what it gets; what friction took before is lent to nobody. By a wire
-/// that is as fast as the bound demands (stability_margin.h) left stays at zero or
-/// above it, because a held force gives K |dx|^2 / 2 at most.
+/// took, pays for what it gets; what friction took before is credited to nobody. By a
+/// wire that is as fast as the bound demands (stability_margin.h), left stays at zero
+/// or above it. The reason is that a held force gives K |dx|^2 / 2 at most.
 class WireWatch {
  public:
   explicit WireWatch(const WireLimits& limits = {}) : limits_(limits) {}
@@ -53,11 +54,11 @@ class WireWatch {
   /// A position came. @param available_j [J] >= 0 in the model.
   void move(const Movement& movement, double available_j) noexcept;
 
-  /// kSlowWire where K (T/2 + delay) > b, T the time that forces are held and delay the
-  /// driver's or the age of positions, if that is more: in the mean of 50 ms, if the
-  /// hand was given a quarter of the floor; at once in contact where it was four times
-  /// b in the latest four positions. kEnergy where the hand was given more than the
-  /// floor; else kNone.
+  /// kSlowWire where K (T/2 + delay) > b. T is the time that forces are held, and delay
+  /// the driver's or the age of positions, if that is more. The mean of 50 ms counts if
+  /// the hand was given a quarter of the floor. In contact the fault comes at once
+  /// where K (T/2 + delay) was four times b in the latest four positions. kEnergy where
+  /// the hand was given more than the floor; else kNone.
   [[nodiscard]] Fault fault(bool in_contact) const noexcept;
 
   /// [s] that a force is held, of the latest 50 ms: mean over time.

@@ -16,11 +16,11 @@ struct ReconnectOptions {
   std::function<void(const std::string&)> tell;  ///< what happens; may be empty
 };
 
-/// simulate(); where the device was lost or fell silent, waits for it to come back and
-/// renders anew for the rest of the duration: with homing where the device needs it, a
-/// new ledger, and the ramp from zero force. Nothing drives the device in between: it
-/// is closed. The first opening is not waited for. Each run has its own recording and
-/// flight log: run.h5, run.2.h5, ...
+/// simulate(). Where the device was lost or fell silent, waits for the device to come
+/// back and renders anew for the rest of the duration. A new rendering homes where the
+/// device needs that, and begins with a new ledger and the ramp from zero force.
+/// Nothing drives the device in between: it is closed. The first opening is not waited
+/// for. Each run has its own recording and flight log: run.h5, run.2.h5, ...
 /// @returns a report for each run, in order; the last one tells how it ended.
 /// @throws DeviceError if it did not come back in time, and as simulate().
 [[nodiscard]] std::vector<SimulationReport> simulate_and_reconnect(

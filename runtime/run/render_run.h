@@ -117,8 +117,9 @@ struct SimulationReport {
 /// The model that --model names. @throws InputError naming those that there are.
 [[nodiscard]] LocalModel requested_model(const std::string& model);
 
-/// Time between force updates [s]: the slow period for the models that hold the slow
-/// process's force, else the fast one; no less than the wire's own (DeviceLimits).
+/// Time between force updates [s]. The time is the slow period for the models that hold
+/// the slow process's force, else the fast one. The time is no less than the wire's own
+/// (DeviceLimits).
 [[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz,
                             double wire_s);
 
@@ -131,8 +132,8 @@ struct SimulationReport {
                                         const std::atomic<bool>& stop);
 
 /// Several tools of the database at once, each in a hand of its own on a device of its
-/// own, one slow process for all (render_loop.h). @param tools the options of each; the
-/// same clock, duration and slow rate. @returns a report each.
+/// own. One slow process serves all (render_loop.h). @param tools the options of each;
+/// the same clock, duration and slow rate. @returns a report each.
 [[nodiscard]] std::vector<SimulationReport> simulate(
     const ResponseDatabase& database, std::span<const SimulationOptions> tools,
     const std::atomic<bool>& stop);

@@ -49,9 +49,9 @@ struct ReplayReport {
 [[nodiscard]] ReplayReport replay(const Recording& recording,
                                   const ResponseDatabase& database);
 
-/// The recorded trajectory with another local model or another database: the slow
-/// process answers anew, at the ticks before which elements arrived in the recording,
-/// with the tool where it was in the tick before.
+/// The recorded trajectory with another local model or another database. The slow
+/// process answers anew at the ticks before which elements arrived in the recording.
+/// The slow process takes the tool's place from the tick before.
 [[nodiscard]] ReplayReport render_again(const Recording& recording,
                                         const ResponseDatabase& database,
                                         LocalModel model);

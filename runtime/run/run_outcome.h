@@ -12,8 +12,8 @@ namespace palpate {
 
 /// Throws what of a report ends the tool with an error; returns if nothing does.
 /// @throws DeviceError for a device that was lost or fell silent, NumericalError for
-/// other faults, FormatError for a stream that broke, what the slow thread threw,
-/// Interrupted, and whatever else the report holds against the run.
+/// other faults, FormatError for a stream that broke. Also throws what the slow thread
+/// threw, Interrupted, and whatever else the report holds against the run.
 void throw_what_ended(const SimulationReport& report);
 
 }  // namespace palpate

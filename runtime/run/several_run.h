@@ -14,8 +14,8 @@
 namespace palpate {
 
 /// @param several whether there are responses that couple. @throws InputError for what
-/// a run of several contacts cannot do, and for what is theirs in a run of a tool that
-/// touches at one place.
+/// a run of several contacts cannot do. Also for options of several contacts in a run
+/// of a tool that touches at one place.
 void check_several(const ToolShape& tool, const SimulationOptions& options,
                    bool several);
 

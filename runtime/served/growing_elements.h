@@ -1,12 +1,12 @@
 // The slow process of a body whose responses come while it is rendered. A node that the
-// tool is not on takes a new response at once, in all elements that the fast process
-// may hold of it: nobody feels it. One of the element in use, or of one that the tool
-// may reach meanwhile, goes there in steps (node_blend.h): in 10 ms the force changes
-// by at most kStepShare of the larger of both responses' largest force; from nothing it
-// rises by the same steps. The ledger books each as any change of an element. What
-// rises under a tool at rest would cost energy that nobody has put in: the ledger holds
-// the surface back until the tool lifts (relaxed shift), and the next press feels all
-// of it.
+// tool is not on takes a new response at once. All elements that the fast process may
+// hold of that node take it. Nobody feels the change. A response of the element in use,
+// or of one that the tool may reach meanwhile, goes there in steps (node_blend.h). In
+// 10 ms the force changes by at most kStepShare of the larger of both responses'
+// largest force. From nothing the force rises by the same steps. The ledger books each
+// as any change of an element. What rises under a tool at rest would cost energy that
+// nobody has put in. The ledger holds the surface back until the tool lifts (relaxed
+// shift). The next press feels all of it.
 #pragma once
 
 #include <array>
@@ -28,9 +28,9 @@
 
 namespace palpate {
 
-/// Fast ticks with the tool in the body, by what the place answers with: the poorest of
-/// its triangle's nodes, as it was rendered until then; a response on its way counts as
-/// the old one until the new one has arrived.
+/// Fast ticks with the tool in the body, by what the place answers with. That is the
+/// poorest of its triangle's nodes, as it was rendered until then. A response on its
+/// way counts as the old one until the new one has arrived.
 using QualityTicks = std::array<std::int64_t, kGrownQualities>;
 
 class GrowingElements : public ElementSender {

@@ -3,11 +3,11 @@
 //
 // Two responses of a node differ in direction, first touch, depth and force. At equal
 // place of the tool they are compared by what they answer with along the outward normal
-// n at its penetration delta: g(delta) = c f(c (delta - t)), with c = |n . u| and touch
-// offset t; their energies as functions of delta are those of g. On the way, g and with
-// it the energy is (1 - s) times the old one plus s times the new one: both are cubics
-// between common knots, so that the sum is one, too, and E' = g holds to rounding. A
-// response that is missing is g = 0.
+// n at its penetration delta. That is g(delta) = c f(c (delta - t)), with c = |n . u|
+// and touch offset t. Their energies as functions of delta are those of g. On the way,
+// g and with it the energy is (1 - s) times the old one plus s times the new one. Both
+// are cubics between common knots. So the sum is a cubic, too, and E' = g holds to
+// rounding. A response that is missing is g = 0.
 #pragma once
 
 #include <array>
@@ -28,13 +28,15 @@ class NodeBlend {
   /// change with them; the height of the node's flattest triangle.
   NodeBlend(const ElementNode& from, const ElementNode& to, double reach_m);
 
-  /// Goes on by as much as changes no g by more than most_n / sqrt 2, and no energy
-  /// over reach_m by more than most_n / sqrt 8, to the deeper curve's last sample; the
-  /// last step arrives. The force of the potential field, F = -grad sum n_j E_j, then
-  /// changes by at most most_n [N] >= 0 while all three nodes of its element step so:
-  /// along the normal by sum n_j g_j, along the surface by sum E_j grad n_j with |grad
-  /// n_j| at most 1 / reach_m, in three directions of which two can add up (of slivers
-  /// three: 1.3 most_n; prisms narrow with depth: 1.1). @returns the message now.
+  /// Goes on by one step; the last step arrives. Up to the deeper curve's last sample a
+  /// step changes no g by more than most_n / sqrt 2. The step changes no energy over
+  /// reach_m by more than most_n / sqrt 8. The force of the potential field is
+  /// F = -grad sum n_j E_j. The force then changes by at most most_n [N] >= 0 while all
+  /// three nodes of its element step so. Along the normal it changes by sum n_j g_j.
+  /// Along the surface it changes by sum E_j grad n_j with |grad n_j| at most
+  /// 1 / reach_m. The gradients have three directions, of which two can add up. (Of
+  /// slivers three add up: 1.3 most_n; prisms narrow with depth: 1.1.)
+  /// @returns the message now.
   const ElementNode& step(double most_n);
 
   [[nodiscard]] bool arrived() const noexcept { return share_ >= 1.0; }

@@ -1,6 +1,7 @@
-// The runtime's end of the service of a scene (formats/service/SERVICE.md): a thread
-// that joins, listens, and hands answers to the slow process, which never waits for it.
-// Whatever the service does, what has been answered stays and is rendered.
+// The runtime's end of the service of a scene (formats/service/SERVICE.md). This end is
+// a thread that joins, listens, and hands answers to the slow process, which never
+// waits for it. Whatever the service does, what has been answered stays and is
+// rendered.
 #pragma once
 
 #include <atomic>
@@ -78,14 +79,15 @@ class ServedClient {
   ServedClient& operator=(const ServedClient&) = delete;
 
   /// Waits for the service's scene. Its body, normals and tool never change from then
-  /// on. @throws InputError if the service ended before, or none came within kPatience;
-  /// for another scene than the one that must be served (kOther); for a tool that is
-  /// not there; for what is not rendered while it is computed: tools of several
-  /// contacts, responses that relax or yield. Interrupted if `stop` was set.
+  /// on. @throws InputError if the service ended before, or none came within kPatience.
+  /// @throws InputError for another scene than the one that must be served (kOther),
+  /// and for a tool that is not there. @throws InputError for what is not rendered
+  /// while it is computed: tools of several contacts, responses that relax or yield.
+  /// Interrupted if `stop` was set.
   [[nodiscard]] const ServedScene& scene(const std::atomic<bool>& stop);
 
-  /// After scene(): hands this body all answers of the tool so far, and all to come,
-  /// and tells the service where its hand is; those of several take turns. Until
+  /// After scene(): hands this body all answers of the tool so far, and all to come.
+  /// Tells the service where the body's hand is; those of several take turns. Until
   /// forget(), which must come before its end.
   void feed(GrowingElements& elements);
   void forget(const GrowingElements& elements);

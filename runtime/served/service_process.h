@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Where the database of a served scene goes unless told otherwise: "NAME.h5" in the
+/// Where the database of a served scene goes unless stated otherwise: "NAME.h5" in the
 /// present folder, as `palpate-precompute serve` has it.
 [[nodiscard]] std::filesystem::path served_output(const std::filesystem::path& scene);
 
@@ -24,11 +24,11 @@ struct ServiceCommand {
   bool anew = false;  ///< what was computed for another scene is dropped
 };
 
-/// A service that this process started and that ends with it: by SIGTERM, on which it
-/// keeps its checkpoint; where this process is killed, by itself (--with). It stands in
-/// a process group of its own, so that Ctrl-C is this process' to handle, has the usual
-/// scheduling and no descriptors but its streams; what it says on either goes to this
-/// one's stderr.
+/// A service that this process started and that ends with it. The service ends by
+/// SIGTERM, on which it keeps its checkpoint. Where this process is killed, it ends by
+/// itself (--with). The service stands in a process group of its own, so that Ctrl-C is
+/// this process' to handle. The service has the usual scheduling and no descriptors but
+/// its streams. What the service says on either goes to this process' stderr.
 class ServiceProcess {
  public:
   /// Longest time that a service has to end in before it is killed.

@@ -1,7 +1,8 @@
-// What a place would answer if the body were a half space of its own material: for
-// places that nobody has computed yet, where a user asked for some force rather than
-// none. Form, supports, inclusions and large strains are not in it. On the demo's organ
-// it is too stiff at every node, up to eight times at 3 mm (tests/bench/half_space).
+// What a place would answer if the body were a half space of its own material. The
+// estimate is for places that nobody has computed yet, where a user asked for some
+// force rather than none. Form, supports, inclusions and large strains are not in it.
+// On the demo's organ it is too stiff at every node, up to eight times at 3 mm
+// (tests/bench/half_space).
 #pragma once
 
 #include <optional>
@@ -12,8 +13,9 @@
 namespace palpate {
 
 /// Force [N] of a rigid tool pressed by depth_m [m] >= 0 into a half space, without
-/// friction: sphere and capsule's end 4/3 E* sqrt(R) d^1.5 (Hertz 1882), flat punch 2
-/// E* a d and cone 2/pi E* tan(half angle) d^2 (Sneddon 1965). No value for a mesh.
+/// friction. For a sphere and a capsule's end it is 4/3 E* sqrt(R) d^1.5 (Hertz 1882).
+/// For a flat punch it is 2 E* a d, for a cone 2/pi E* tan(half angle) d^2 (Sneddon
+/// 1965). No value for a mesh.
 /// @param modulus_pa [Pa] > 0 E* = E / (1 - nu^2).
 [[nodiscard]] std::optional<double> half_space_force_n(const ToolShape& tool,
                                                        double modulus_pa,

@@ -44,14 +44,14 @@ struct CacheCounts {
 };
 
 /// Two threads: one calls follow() and step(), the other take(); neither ever waits for
-/// the other. A piece lives until the other thread has taken a later one; at most one
-/// waits to be taken, so that two neighbourhoods are in memory at most. A chunk that
+/// the other. A piece lives until the other thread has taken a later one. At most one
+/// piece waits to be taken, so two neighbourhoods are in memory at most. A chunk that
 /// cannot be read is given up for good, and the first such fault kept.
 class ChunkCache {
  public:
-  /// Reads the index alone. @throws InputError, FormatError as ChunkReader does, and
-  /// InputError for options out of range, a tool that is not there, or a budget that
-  /// does not hold a neighbourhood.
+  /// Reads the index alone. @throws InputError, FormatError as ChunkReader does.
+  /// @throws InputError for options out of range, a tool that is not there, or a budget
+  /// that does not hold a neighbourhood.
   ChunkCache(const std::filesystem::path& file, const CacheOptions& options);
 
   /// From now on, what is near any of these contacts is wanted.

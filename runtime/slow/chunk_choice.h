@@ -31,10 +31,10 @@ struct ToolMotion {
                                             std::int64_t chunk);
 
 /// Chunks near any contact, the most urgent first. Follows each along its present
-/// velocity for horizon_s [s] >= 0. For a point s metres ahead and a chunk at distance
-/// d from it: the chunk is taken if d + 0.1 s is at most the smallest (distance + 0.4
-/// box diagonal) of any chunk plus 0.1 of the whole way; chunks are ordered by d + 0.5
-/// s, so that near ones come first.
+/// velocity for horizon_s [s] >= 0. A point s metres ahead has the distance d from a
+/// chunk. The chunk is taken if d + 0.1 s is at most the smallest (distance + 0.4 box
+/// diagonal) plus 0.1 of the whole way. The smallest is that of any chunk. Chunks are
+/// ordered by d + 0.5 s, so near ones come first.
 [[nodiscard]] std::vector<std::int64_t> chunks_near(
     const DatabaseIndex& index, std::span<const ToolMotion> contacts, double horizon_s);
 
@@ -56,10 +56,11 @@ struct ContactSpread {
   double extent_m = 0.0;  ///< [m] largest distance of two in one hand
 };
 
-/// Least budget [bytes] that holds a neighbourhood wherever the tool is: for each hand
-/// twice nine chunks a contact, or all that may lie within the contacts' extent and
-/// eight around if that is less, the largest that there are. Twice, because new ones
-/// are loaded while the old ones are in use. Never more than twice all.
+/// Least budget [bytes] that holds a neighbourhood wherever the tool is. The budget
+/// counts the largest chunks that there are, twice. For each hand it counts nine chunks
+/// a contact, or all that may lie within the contacts' extent and eight around if that
+/// is less. Twice, because new ones are loaded while the old ones are in use. Never
+/// more than twice all.
 [[nodiscard]] std::size_t least_budget(const DatabaseIndex& index,
                                        const ChunkContent& content,
                                        const ContactSpread& spread = {});

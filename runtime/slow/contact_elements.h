@@ -1,6 +1,6 @@
-// The slow process of a tool with several contacts, or of two hands on one body: for
-// each contact the element nearest to it and those around it, with the rows of the
-// table of compliance.
+// The slow process of a tool with several contacts, or of two hands on one body. The
+// slow process finds for each contact the nearest element and those around it, with the
+// rows of the table of compliance.
 #pragma once
 
 #include <cstddef>
@@ -56,8 +56,8 @@ struct PressingTool {
 /// tool without a contact set is one sphere of its nominal radius.
 /// @param tools (1 to kPortsMax). The first one's table of compliance couples all.
 /// @throws InputError, in one sentence, where there are several contacts and a tool has
-/// no table of compliance, or relaxes with curves of a press; or too many
-/// contacts or radii.
+/// no table of compliance, or relaxes with curves of a press. @throws InputError for
+/// too many contacts or radii.
 [[nodiscard]] CoupledSet coupled_set(std::span<const PressingTool> tools);
 [[nodiscard]] CoupledSet coupled_set(std::span<const ResponseTable* const> tools);
 

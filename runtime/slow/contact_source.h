@@ -1,5 +1,6 @@
-// Who answers the places of several contacts with surface elements: a seam, because a
-// body may be shown as it is or as somebody wishes it to be.
+// Interface to what answers the places of several contacts with surface elements. The
+// interface is a seam, because a body may be shown as it is or as somebody wishes it to
+// be.
 #pragma once
 
 #include <array>
@@ -28,8 +29,8 @@ struct ContactToolState {
 
 /// What was last sent for each contact of a tool. An element is sent when a contact's
 /// surroundings change. At every update one contact in turn, of more than 8 every
-/// eighth, is sent again: so that what was dropped comes back, and something always
-/// says that the slow process is there.
+/// eighth, is sent again. So what was dropped comes back, and something always shows
+/// that the slow process is there.
 struct ContactSent {
   static constexpr int kRepeatUpdates = 8;  ///< at most, until each comes again
   struct Contact {
@@ -56,8 +57,8 @@ class ContactSender {
   virtual std::size_t update(const ContactToolState& tool, std::int64_t now_ns,
                              ContactFifo& fifo, ContactSent& sent) = 0;
 
-  /// The message for one triangle of contact i, as it is by now, without sequence and
-  /// time; none where there is no such contact or triangle.
+  /// The present message for one triangle of contact i, without sequence and time.
+  /// There is none where there is no such contact or triangle.
   [[nodiscard]] virtual std::optional<ContactElement> element_of(
       int i, std::int32_t triangle) const = 0;
 };

@@ -36,10 +36,10 @@ using StiffestOfTable =
     const ResponseDatabase& database, const ResponseTable& tool, LocalModel model,
     double force_max_n);
 
-/// Each contact as stiff as the responses of its radius are anywhere, k_i, and between
-/// them the row of compliance of the node where the stiffest is: (diag(1/k_i) + C)^-1.
-/// Where that is not positive definite, diag(k_i). An estimate: elsewhere contacts
-/// couple otherwise.
+/// Each contact is as stiff as the responses of its radius are anywhere, k_i. Between
+/// contacts stands the row of compliance of the node where the stiffest is:
+/// (diag(1/k_i) + C)^-1. Where that is not positive definite, diag(k_i). An estimate:
+/// elsewhere contacts couple otherwise.
 [[nodiscard]] ContactStiffness contact_stiffness(const PressingTool& tool,
                                                  std::span<const StiffestNode> contact);
 
@@ -51,16 +51,16 @@ using StiffestOfTable =
                                            const DeviceLimits& device, double hold_s);
 
 /// [N s/m] Damping of a device with which no passive hand gets energy out of a stuck
-/// tool's held spring and damper: b > k_t (T/2 + delay) + b_t (Colgate & Schenkel 1997,
-/// b > K T / 2 + |B|). A damper needs far more than its spring; short of it a device's
-/// mass and a hand's own damping must do, as they do where T b_t is well below the
-/// mass.
+/// tool's held spring and damper. The damping is b > k_t (T/2 + delay) + b_t (Colgate &
+/// Schenkel 1997, b > K T / 2 + |B|). A damper needs far more than its spring. Short of
+/// that damping, a device's mass and a hand's own damping must do. Mass and hand do
+/// where T b_t is well below the mass.
 [[nodiscard]] double every_hand_n_s_per_m(const VirtualCoupling& coupling,
                                           double hold_s, double delay_s);
 
-/// Sums over all contacts of a tool, as if each pressed a body of its own: more than
-/// they have together where they sink one another, as contacts on one side of a body
-/// do; no bound where one lifts another.
+/// Sums over all contacts of a tool, as if each pressed a body of its own. The sum is
+/// more than the contacts have together where they sink one another, as contacts on one
+/// side of a body do. The sum is no bound where one contact lifts another.
 [[nodiscard]] RenderedStiffness stiffness_of_contacts(
     std::span<const StiffestNode> contact);
 

@@ -15,9 +15,9 @@
 
 namespace palpate {
 
-/// Elements sent with the active one, at most: all of an update and the element in use
-/// fit the fast process's cache (kCacheSlots), so that an update does not push itself
-/// out.
+/// Elements sent with the active one, at most. All elements of an update and the
+/// element in use fit the fast process's cache (kCacheSlots), so an update does not
+/// push itself out.
 constexpr std::size_t kNeighboursMax = 28;
 
 /// Curves that had to be thinned to fit a message, and what that cost.
@@ -49,16 +49,17 @@ struct NodeRows {
 
 /// The message of a row, whose node the caller names. Without response: no samples, no
 /// direction, no touch offset, zero force. Its touch offset is that of a tool whose
-/// reference point stands at nominal_height_m(tool) over a flat surface, so that a tool
-/// of any shape and fixed orientation is followed as a sphere of that radius. Its tilt
-/// is the stored line; without one that of its direction. @param
-/// loss_n where not null, what thinning cost [N]. @throws InputError for an endless
-/// tool that cannot touch the node.
+/// reference point stands at nominal_height_m(tool) over a flat surface. So a tool of
+/// any shape and fixed orientation is followed as a sphere of that radius. Its tilt is
+/// the stored line; without one that of its direction. @param loss_n where not null,
+/// what thinning cost [N]. @throws InputError for an endless tool that cannot touch the
+/// node.
 [[nodiscard]] ElementNode node_message(const NodeRows& rows, std::int64_t row,
                                        double* loss_n = nullptr);
 
-/// Messages by row of the nodes whose curves are too long for one, made once because
-/// thinning is too costly at every send; adds to `loss`.
+/// Messages by row of the nodes whose curves are too long for one message. These
+/// messages are made once, because thinning is too costly at every send. Adds to
+/// `loss`.
 [[nodiscard]] std::unordered_map<std::int32_t, ElementNode> thinned_messages(
     const NodeRows& rows, ResampleLoss& loss);
 

@@ -24,11 +24,11 @@ class ElementSender {
   ElementSender(const ElementSender&) = delete;
   ElementSender& operator=(const ElementSender&) = delete;
 
-  /// One slow step: pushes the active element first, then the triangles around it, then
-  /// those across the edges of the element that the fast process is in, if that is
-  /// another part of the surface. In contact the search walks from that element; in
-  /// free space it looks at the whole body. A position that is not finite sends
-  /// nothing.
+  /// One slow step. The step pushes the active element first, then the triangles around
+  /// it. Then come those across the edges of the element that the fast process is in,
+  /// if that is another part of the surface. In contact the search walks from that
+  /// element; in free space it looks at the whole body. A position that is not finite
+  /// sends nothing.
   /// @returns messages pushed; what does not fit is dropped and counted by the ring.
   virtual std::size_t update(const ToolState& tool, std::int64_t now_ns,
                              ElementFifo& fifo) = 0;

@@ -25,9 +25,9 @@ struct StreamReport {
 };
 
 /// Reads in a thread of its own, or, for simulated time, at once in update(), so that
-/// the same input gives the same bits. follow() takes what is there and never waits:
-/// an element that is not surely the one that the whole database would give, with what
-/// surrounds it, is not sent, and the update counts as starved; the fast process then
+/// the same input gives the same bits. follow() takes what is there and never waits. An
+/// element is not sent unless it is surely the one that the whole database would give,
+/// with what surrounds it. The update then counts as starved, and the fast process
 /// keeps the element that it has.
 class StreamedElements : public TableElements {
  public:

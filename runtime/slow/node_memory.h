@@ -20,10 +20,10 @@ namespace palpate {
 [[nodiscard]] NodeMemory node_memory(const Viscoelasticity& relaxation,
                                      std::int64_t row, const ElementNode& node);
 
-/// Where a curve is cut into bundles none of which falls with depth: of the depths that
-/// are asked for those beyond which no slope is below that of the cut, up to the next
-/// one. The bundles between others are empty, as are all but the first of a curve that
-/// falls.
+/// Where a curve is cut into bundles none of which falls with depth. The cuts are those
+/// of the depths asked for beyond which no slope is below that of the cut, up to the
+/// next cut. The bundles between others are empty, as are all but the first of a curve
+/// that falls.
 /// @param depth_m [m] > 0, increasing.
 /// @returns not decreasing.
 [[nodiscard]] std::array<double, kMemoryBundles - 1> bundle_cuts_m(

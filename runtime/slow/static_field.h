@@ -1,6 +1,7 @@
-// The force of a body's stored potential field at places without history: what the
-// local model "potential" (runtime/fast/potential_field.h), or "facets", gives at a
-// place that the tool has just reached, without friction, dents and relaxed state.
+// The force of a body's stored potential field at places without history. The local
+// model "potential" (runtime/fast/potential_field.h), or "facets", gives that force at
+// a place that the tool has just reached. The force is without friction, dents and
+// relaxed state.
 #pragma once
 
 #include <cstdint>

@@ -15,9 +15,9 @@ namespace palpate {
 
 using LoadedChunks = std::map<std::int64_t, std::shared_ptr<const LoadedChunk>>;
 
-/// Immutable. A chunk is complete in a piece if all nodes of its triangles are there;
-/// its triangles are then the piece's, in the source's order, so that a search meets
-/// them as it does in the whole body. Queries are const and do not allocate.
+/// Immutable. A chunk is complete in a piece if all nodes of its triangles are there.
+/// Its triangles are then the piece's, in the source's order, so a search meets them as
+/// it does in the whole body. Queries are const and do not allocate.
 class SurfacePiece {
  public:
   /// @param index must outlive the piece. @param chunks any of it.

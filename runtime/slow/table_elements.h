@@ -1,5 +1,5 @@
-// The surface elements of one table of responses, wherever it lies: for one contact as
-// they are, for several with rows of the table of compliance.
+// The surface elements of one table of responses, wherever the table lies. One contact
+// gets them as they are, several contacts with rows of the table of compliance.
 #pragma once
 
 #include <array>

@@ -2,9 +2,13 @@
 //
 // Frame: x right, y up, z towards the user [m]; the tool moves in z = 0.075 to 0.175.
 // Leg i stands at azimuth phi = 105, -15, -135 degrees. In its frame
+//
 //   u = cos(phi) x + sin(phi) y - r,  v = -sin(phi) x + cos(phi) y - s,  w = z
-// with theta1 the angle of the driven link (length a), theta2 that of the parallelogram
-// (length b + d + e) in the leg's plane, theta3 its angle out of the plane:
+//
+// with theta1 the angle of the driven link (length a). theta2 is the angle of the
+// parallelogram (length b + d + e) in the leg's plane, theta3 its angle out of the
+// plane:
+//
 //   theta3 = acos((v + f)/b),  L = d + e + b sin(theta3)
 //   (u + c - a cos(theta1))^2 + (w - a sin(theta1))^2 = L^2
 #pragma once
@@ -41,7 +45,7 @@ struct FalconForward {
 };
 
 /// Position for joint angles [rad] by Newton's method on theta1(position), from `start`
-/// [m], steps of at most 2 cm, halved where a leg does not reach. Converged: the last
+/// [m]. Steps are at most 2 cm, halved where a leg does not reach. Converged: the last
 /// step was below 1e-10 m. At most 32 iterations; no allocation.
 [[nodiscard]] FalconForward forward(const Eigen::Vector3d& theta1_rad,
                                     const Eigen::Vector3d& start_m) noexcept;

@@ -1,5 +1,5 @@
-// The Haply 2diy over USB: a CDC-ACM board with two motors that move a pantograph in a
-// plane, the x-y plane of the device's frame (z = 0).
+// The Haply 2diy over USB. The 2diy is a CDC-ACM board with two motors that move a
+// pantograph in a plane, the x-y plane of the device's frame (z = 0).
 #pragma once
 
 #include <functional>
@@ -35,9 +35,10 @@ struct HaplyConfig {
 };
 
 /// The board keeps the last torque for ever: every way out sends zero, and the thread
-/// that transacts is its watchdog (threaded_device.h). No force where the free links
-/// are nearly in line, none out of the plane, and none after an exchange without an
-/// answer: the next one listens until no late answer can come, and takes the last.
+/// that transacts is its watchdog (threaded_device.h). There is no force where the free
+/// links are nearly in line, none out of the plane, and none after an exchange without
+/// an answer. The next exchange listens until no late answer can come, and takes the
+/// last.
 class HaplyLink : public DeviceLink {
  public:
   /// @param descriptor and release as FalconLink's. @throws InputError for links that

@@ -36,7 +36,8 @@ struct Inverse3Config {
 /// Nothing is known of a watchdog in the board: the last force is taken to stay. Every
 /// way out sends zero, and the thread that transacts is its watchdog
 /// (threaded_device.h). After an exchange without an answer, or with what is none, the
-/// next one begins with zero force, waits until the line is quiet, and asks again.
+/// next exchange begins with zero force. That exchange waits until the line is quiet,
+/// and asks again.
 class Inverse3Link : public DeviceLink {
  public:
   /// @param descriptor and release as FalconLink's.

@@ -1,8 +1,9 @@
 // Kinematics of a planar five-bar with two driven links: the Haply 2diy.
 //
-// Frame [m]: the motors sit at b_1 = (d/2, 0) and b_2 = (-d/2, 0); driven links of
-// length l end at e_i = b_i + l (cos theta_i, sin theta_i); two links of length L meet
+// Frame [m]: the motors sit at b_1 = (d/2, 0) and b_2 = (-d/2, 0). Driven links of
+// length l end at e_i = b_i + l (cos theta_i, sin theta_i). Two links of length L meet
 // at the tool p. So |p - e_i| = L, and its derivative is
+//
 //   (p - e_i) . dp = l (p - e_i) . t_i dtheta_i,   t_i = (-sin theta_i, cos theta_i).
 #pragma once
 
@@ -45,14 +46,14 @@ constexpr double kTransmissionMin = 0.1;
                            Eigen::Vector2d& theta_rad) noexcept;
 
 /// Joint torques [N m] for a force [N] on the tool: jacobian^T F, shrunk together to
-/// torque_max_nm so that the direction stays; zero where the transmission is below
-/// kTransmissionMin or the force is not finite.
+/// torque_max_nm so that the direction stays. The torques are zero where the
+/// transmission is below kTransmissionMin or the force is not finite.
 [[nodiscard]] Eigen::Vector2d torques_for(const PantographPose& pose,
                                           const Eigen::Vector2d& force_n,
                                           double torque_max_nm) noexcept;
 
-/// Force [N] on the tool that torques [N m] make: jacobian^-T torque; zero where no
-/// torque makes a force of its own (a driven and a free link in line).
+/// Force [N] on the tool that torques [N m] make: jacobian^-T torque. The force is zero
+/// where no torque makes a force of its own (a driven and a free link in line).
 [[nodiscard]] Eigen::Vector2d force_of(const PantographPose& pose,
                                        const Eigen::Vector2d& torque_nm) noexcept;
 

@@ -2,8 +2,9 @@
 // kernel's usbfs alone.
 //
 // A guardian shares the renderer's open usbfs file, and with it the claim of the
-// interface: when the renderer is killed, the file stays open in the guardian, which
-// writes the command, gives the interface back to the kernel's driver and ends.
+// interface. When the renderer is killed, the file stays open in the guardian. The
+// guardian writes the command, gives the interface back to the kernel's driver and
+// ends.
 #pragma once
 
 namespace palpate {

@@ -25,7 +25,7 @@ struct HdConfig {
   std::string what = "openhaptics";
 };
 
-/// The library calls back a thousand times a second, in a thread of its own, where the
+/// The library calls back a thousand times a second, in a thread of its own. There the
 /// force is given and the position taken; transact() waits for the next time. A force
 /// that nobody renews for 20 ms is zero there; and the library clamps and ramps forces
 /// as it always does. How the stylus is turned turns the tool, where the library says a

@@ -1,5 +1,6 @@
-// The slow process of several contacts, whose body is made stiffer, softer or more
-// slippery by hand, and whose coupling is switched off to see what it does.
+// The slow process of several contacts on an adjusted body. The body is made stiffer,
+// softer or more slippery by hand, and its coupling is switched off to see what the
+// coupling does.
 #pragma once
 
 #include <cstddef>

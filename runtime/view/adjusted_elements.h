@@ -14,7 +14,8 @@ void adjust_node(ElementNode& node, double scale, std::optional<double> friction
 
 /// Passes elements on with forces, slopes and energies multiplied and friction
 /// replaced. What the fast process has already stays as it is until the next slow
-/// update: a change of the body like any other, which the ledger balances.
+/// update. That update is a change of the body like any other, which the ledger
+/// balances.
 class AdjustedStream : public ElementSender {
  public:
   /// `stream` must outlive this.

@@ -1,5 +1,5 @@
 // The application behind the live view's server: who may steer, what is simulated when,
-// and what every page is told.
+// and what is reported to every page.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace palpate {
 /// The first page steers, the others watch until it is gone; then the one that came
 /// first of them steers. Simulated time follows the wall clock; where the machine is
 /// late by more than kLateNs, time is lost, not made up for. A page that holds the tool
-/// and says nothing for kSilentNs has let go; lost time does not count, because what
-/// the page said in it has not been read yet. What a page does to the tool can be
-/// recorded and replayed, with the settings of the moment.
+/// and says nothing for kSilentNs has let go. Lost time does not count, because what
+/// the page said in that time has not been read yet. What a page does to the tool can
+/// be recorded and replayed, with the settings of the moment.
 class LiveView : public ViewApplication {
  public:
   static constexpr std::int64_t kSilentNs = 250'000'000;

@@ -1,5 +1,5 @@
-// What pages are told of a body whose responses come while they look at it: answers in
-// batches, and how the service is.
+// What is reported to pages of a body whose responses come while they look at it:
+// answers in batches, and how the service is.
 #pragma once
 
 #include <cstdint>
@@ -28,13 +28,13 @@ class ServedNews {
   /// How the service is, for a frame.
   [[nodiscard]] ViewService service();
 
-  /// The next answers that the page has not been told, if it is time for them:
+  /// The next answers that have not been reported to the page, if it is time for them:
   ///
   ///   {"type": "answers", "node": [..], "stiffness": [..], "good": [0 or 1, ..],
   ///    "low_n_per_m": .., "high_n_per_m": .., "force_max_n": ..}
   ///
-  /// stiffness [N/m] as the map's (surface_map.h), null for an answer of no response;
-  /// the range is that of all answers so far, and the largest force.
+  /// stiffness [N/m] is as the map's (surface_map.h), null for an answer of no
+  /// response. The range, and the largest force, are those of all answers so far.
   [[nodiscard]] std::optional<std::string> answers(ViewClient page,
                                                    std::int64_t now_ns);
   void forget(ViewClient page) { page_.erase(page); }

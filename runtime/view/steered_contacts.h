@@ -1,8 +1,8 @@
 // A tool of several contacts, or two hands, on a body that pages change.
 //
-// What is set while tools press changes the body for all contacts at one tick: the
-// ledger books it, and what stored energy and tank do not pay is taken by delta_0 until
-// the contacts have been lifted.
+// What is set while tools press changes the body for all contacts at one tick. The
+// ledger books the change. What stored energy and tank do not pay is taken by delta_0
+// until the contacts have been lifted.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,8 @@ class SteeredContacts : public SteeredBody {
   void show(const std::vector<SteeredHand>& hand, ViewFrame& frame) override;
 
   /// Wrenches of the body on the tools at the present poses, without friction and
-  /// delta_0, with contacts that couple or do not; none where that has no solution or
-  /// nothing has been sampled.
+  /// delta_0, with contacts that couple or do not. There are none where that has no
+  /// solution or nothing has been sampled.
   [[nodiscard]] std::optional<PortWrenches> elastic(bool coupled);
 
   [[nodiscard]] const CoupledState& state() const noexcept {

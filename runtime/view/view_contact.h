@@ -27,8 +27,8 @@ struct ViewContact {
       Eigen::Quaterniond::Identity();  ///< [-] from the tool's frame to the world
 };
 
-/// The point of the surface nearest to x_m, with the nodes' normals between them; and
-/// the tool with its reference point there: a sphere and a tool without an axis of its
+/// The point of the surface nearest to x_m, with the nodes' normals between them, and
+/// the tool with its reference point there. A sphere and a tool without an axis of its
 /// own stand along that normal, as they do when responses are computed.
 /// @param from triangle to walk from; -1: the whole body is searched.
 [[nodiscard]] ViewContact view_contact(const ResponseDatabase& database,
@@ -36,8 +36,8 @@ struct ViewContact {
                                        const SurfaceSearch& search,
                                        const Eigen::Vector3d& x_m, std::int32_t from);
 
-/// [m] at which the tool's reference point stands over a surface that it touches; that
-/// of a tool along the normal where an endless flank lies below its own tip.
+/// [m] at which the tool's reference point stands over a surface that it touches. For
+/// an endless flank below its own tip it is the height of a tool along the normal.
 [[nodiscard]] double drawn_height_m(const ToolShape& tool,
                                     const Eigen::Vector3d& outward);
 

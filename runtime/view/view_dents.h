@@ -21,7 +21,7 @@ class ViewDents {
   explicit ViewDents(const ResponseTable& table);
 
   /// Depth at which each node's response is what its sites carry, under the dent that
-  /// stays; shallower ones than a hundredth of the largest depth are left out. By node.
+  /// stays. Depths below a hundredth of the largest depth are left out. By node.
   /// @param stiffness_scale [-] > 0 that forces are multiplied by.
   [[nodiscard]] std::vector<NodeDent> at(const std::vector<SurfaceDent>& dents,
                                          double stiffness_scale) const;

@@ -25,8 +25,9 @@ struct ViewHand {
   bool holding = false;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();     ///< [N] on the tool
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();  ///< about the reference point
-  /// [N] of the body at this pose, without friction and delta_0: with contacts that
-  /// couple through it, and added up as if each had it alone.
+  /// [N] of the body at this pose, without friction and delta_0. `coupled_n` is with
+  /// contacts that couple through the body. `added_up_n` adds the contacts up as if
+  /// each had the body alone.
   Eigen::Vector3d coupled_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d added_up_n = Eigen::Vector3d::Zero();
 };

@@ -21,10 +21,11 @@
 
 namespace palpate {
 
-/// The body as little-endian bytes: "PLPB", then as uint32 the number of vertices n and
-/// of triangles t; float32 positions [m] (3 n), outward normals (3 n), stiffness at the
-/// map's depth [N/m] (n, NaN without response), heights of the tool's reference point
-/// where it touches a vertex [m] (n); uint32 corners (3 t).
+/// The body as little-endian bytes. First come "PLPB", then as uint32 the number of
+/// vertices n and of triangles t. Then come float32 positions [m] (3 n) and outward
+/// normals (3 n). Then comes float32 stiffness at the map's depth [N/m] (n, NaN without
+/// response). Then come float32 heights of the tool's reference point where it touches
+/// a vertex [m] (n). Last come uint32 corners (3 t).
 [[nodiscard]] std::string body_bytes(const ResponseDatabase& database,
                                      const ResponseTable& table);
 

@@ -1,5 +1,5 @@
-// What a page of the live view may ask for: the decoder of its messages, which come
-// from whoever can reach the socket and are believed in nothing.
+// What a page of the live view may ask for: the decoder of its messages. The messages
+// come from whoever can reach the socket and are believed in nothing.
 //
 // A message is one JSON object of at most kViewMessageBytes bytes, with the keys below
 // and no others:

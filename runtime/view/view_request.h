@@ -1,4 +1,4 @@
-// Heads of requests by HTTP/1.1 (RFC 9112) from whoever can reach the port: what is not
+// Heads of requests by HTTP/1.1 (RFC 9112) from whoever can reach the port. What is not
 // exactly one of them, or announces a body, is none.
 #pragma once
 

@@ -1,13 +1,14 @@
 // A small web server for the live view: a fixed table of files, and WebSockets to the
 // pages that may use them. The page is the only client meant; every other program on
-// the machine, and every other page in the browser, is a stranger.
+// the machine, and every other page in the browser, is a third party.
 //
-// What it does against strangers: it binds 127.0.0.1 alone; a request must name exactly
-// that host and port (no rebinding of names); a WebSocket must come from the page's own
-// origin and bring a 128-bit token, and so must a request for data; only GET and HEAD,
-// no bodies, headers of at most 8 KiB, 10 s to send them; messages of at most 4 KiB,
-// rates and clients are capped; a strict content policy, nothing cached. A page that is
-// too slow gets the latest frame, never a queue of old ones.
+// What it does against third-party programs: it binds 127.0.0.1 alone. A request must
+// name exactly that host and port (no rebinding of names). A WebSocket must come from
+// the page's own origin and bring a 128-bit token, and a request for data must do so,
+// too. Only GET and HEAD are taken, with no bodies, headers of at most 8 KiB, and 10 s
+// to send them. Messages have at most 4 KiB; rates and clients are capped. The content
+// policy is strict, and nothing is cached. A page that is too slow gets the latest
+// frame, never a queue of old ones.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,6 @@
-// The runtime behind a live view: slow and fast process, FIFO, ledger and safety as in
-// any run, on simulated time, with a pointer in place of each hand.
+// The runtime behind a live view. The runtime has slow and fast process, FIFO, ledger
+// and safety as in any run. The runtime is on simulated time, with a pointer in place
+// of each hand.
 //
 // Forces move the tools; turns are the pointers', which the hands' wrists follow
 // whatever the torque is.

@@ -2,8 +2,8 @@
 // 4000)).
 //
 // CHAI3D calls from its haptic thread, in the object's frame, with the id of one of up
-// to 16 tools and without the time: how often, its host says. A tool with workspace
-// scale s makes the device feel s times the stiffness.
+// to 16 tools and without the time. How often it calls, its host says. A tool with
+// workspace scale s makes the device feel s times the stiffness.
 #pragma once
 
 #include <stdexcept>

@@ -1,7 +1,7 @@
 // A SOFA force feedback: what a device driver's thread asks for a force.
 //
-// SOFA gives position and quaternion of the tool, often 0 0 0 0, without the time (its
-// driver's rate), and lengths in the unit of its scene. It takes no torque:
+// SOFA gives position and quaternion of the tool, often 0 0 0 0, and lengths in the
+// unit of its scene. SOFA gives no time (its driver's rate). SOFA takes no torque:
 // palpate_force() turns a tool of several contacts at no gain for the hand.
 #pragma once
 
