@@ -1,4 +1,4 @@
-// What a renderer or a tool must know of a database before it reads any response: which
+// What a renderer or a tool must know of a database before it reads any response. Which
 // nodes lie together, where, and how large their responses get.
 #pragma once
 

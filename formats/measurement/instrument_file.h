@@ -72,7 +72,7 @@ constexpr std::size_t kInstrumentHead = 1 << 16;  ///< bytes
                                               const InstrumentRequest& request);
 
 /// Samples at the start in which the depth is 0 to the last bit while the force is not
-/// still: a depth that was set to 0 before contact. 0 where they are fewer than 8.
+/// still. Their depth was set to 0 before contact. 0 where they are fewer than 8.
 [[nodiscard]] std::size_t clipped_samples(const Measurement& samples);
 
 }  // namespace palpate

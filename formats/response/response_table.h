@@ -94,8 +94,8 @@ struct AccuracyRecord {
   std::vector<double> covering_relative = {};
 };
 
-/// Displacement of the surface under the tool, for drawing: at solved node node[j], at
-/// normal penetration depth_m[j], vertex i moves by rows 3 i to 3 i + 2 of
+/// Displacement of the surface under the tool, for drawing, at solved node node[j] and
+/// normal penetration depth_m[j]. There vertex i moves by rows 3 i to 3 i + 2 of
 /// basis * coefficient.row(j)^T [m]. Single precision; empty without rows.
 struct DisplacementField {
   RowMajorMatrixF basis;           ///< (3 n x m) [-] modes, x y z of a vertex in turn
