@@ -23,9 +23,9 @@ struct Segment {
 };
 
 /// Segments of all samples in order, any number. Still is what stays within 0.2 % of
-/// the travel for at least 5 samples, and 2 % of those that are not in a stretch of 2 %
-/// of them all; the motion turns where it goes back by more than 1 % of the travel.
-/// Compression is positive.
+/// the travel for at least 5 samples. It must also have 2 % of those samples that are
+/// not in a stretch of 2 % of them all. The motion turns where it goes back by more
+/// than 1 % of the travel. Compression is positive.
 [[nodiscard]] std::vector<Segment> find_segments(
     std::span<const double> displacement_m);
 
