@@ -7,7 +7,7 @@
 // law's. None is before the approach's contact_from_m.
 //
 // Families that miss the data by more than their noise (misfit.h) come after all that
-// do not, whatever a criterion says. Their order is that of their residuals.
+// do not, whatever a criterion says. Such families are in the order of their residuals.
 // Interpolating, which may fall, comes after all others that do not miss, unless its
 // AICc is better than all of theirs by 30.
 #pragma once
@@ -66,10 +66,10 @@ struct FamilyChoice {
   std::string criterion;
 };
 
-/// @param reference the power law's fit of the same approach, exponent free. It is the
-/// first family, and gives baseline and contact point of families without one of their
-/// own. If the law misses, these are of the law of as much of the curve's beginning as
-/// the law does not miss.
+/// @param reference the power law's fit of the same approach, exponent free. The power
+/// law is the first family, and gives baseline and contact point of families without
+/// one of their own. If the law misses, these are of the law of as much of the curve's
+/// beginning as the law does not miss.
 /// @param criterion one of kCriteria (session.h).
 /// @throws InputError for an unknown family.
 [[nodiscard]] FamilyChoice fit_families(const Approach& approach,

@@ -1,5 +1,6 @@
-// What is before contact, as it is: a straight line and white noise. It may also be
-// interference, vibration, a sensor's steps, a bent drift, a toe of the curve.
+// What is before contact, as it is: a straight line and white noise. Or what is before
+// contact is interference, vibration, a sensor's steps, a bent drift, a toe of the
+// curve.
 #pragma once
 
 #include <array>
@@ -17,10 +18,10 @@ namespace palpate {
 
 /// Makes the noise of what is surely free the yardstick of what the law misses (misfit,
 /// free_to_m), where that noise explains the miss. The miss is then not the law's
-/// fault. Surely free is what somebody has told, or the first half of what the law
+/// fault. Surely free is what somebody has stated, or the first half of what the law
 /// takes for free travel.
 /// @return false where the noise does not explain the miss, or is more than 2 % of the
-/// forces' range. Also false for fewer than 40 samples, or where the noise grows with
+/// forces' range. False, too, for fewer than 40 samples, or where the noise grows with
 /// the force.
 [[nodiscard]] bool explain_by_free_travel(const Approach& approach, ContactFit& fit);
 

@@ -56,8 +56,8 @@ inline constexpr std::size_t kHoldSamplesMin = 12;
 /// Refused for fewer than 8 samples before the hold and 12 in the longest.
 [[nodiscard]] JointRelaxation fit_press_and_hold(const PressAndHold& measured);
 
-/// Share of the force at the end of a press at a speed [m/s]. It is what is left after
-/// the tool has stayed for a time [s]. @param joint not refused.
+/// Share of the force at the end of a press at a speed [m/s]. The share is what is left
+/// after the tool has stayed for a time [s]. @param joint not refused.
 [[nodiscard]] double held_share(const JointRelaxation& joint, double speed_m_per_s,
                                 double time_s);
 

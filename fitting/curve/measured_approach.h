@@ -1,5 +1,6 @@
-// The part of a measurement that a response is fitted to. It is the approach, with its
-// signs as the database wants them, and what the rest of the measurement says about it.
+// The part of a measurement that a response is fitted to. The part is the approach,
+// with its signs as the database wants them, and what the rest of the measurement says
+// about it.
 #pragma once
 
 #include <cstddef>
@@ -40,15 +41,15 @@ struct Approach {
 constexpr std::size_t kSamplesMin = 8;
 
 /// Displacement that falls in total, and force that falls from the first samples to the
-/// deepest, are turned. The approach ends where the displacement first comes within 0.1
-/// % of its travel to the largest. Later samples that stay there are a hold, the others
-/// a retract. Where the force falls from its peak while the machine slows down to hold,
-/// the approach ends at the peak. A loop whose release gives back more work than its
-/// press took (beyond 5 standard deviations of the noise's work) is flagged. Single
-/// readings that stand out from all of 3 neighbours on each side by more than 8
-/// standard deviations of noise are spikes. Of 10000 samples and more, means of
-/// neighbours are taken, 5000 to 10000 of them. A tool that stands still on its way
-/// while the force falls is flagged.
+/// deepest, are turned. The approach ends where the displacement first comes within
+/// 0.1 % of its travel to the largest displacement. Later samples that stay there are a
+/// hold, the others a retract. Where the force falls from its peak while the machine
+/// slows down to hold, the approach ends at the peak. A loop whose release gives back
+/// more work than its press took (beyond 5 standard deviations of the noise's work) is
+/// flagged. Single readings that stand out from all of 3 neighbours on each side by
+/// more than 8 standard deviations of noise are spikes. Of 10000 samples and more,
+/// means of neighbours are taken, 5000 to 10000 of them. A tool that stands still on
+/// its way while the force falls is flagged.
 /// @param baseline displacements that are surely before contact: its end becomes
 /// contact_from_m.
 /// @param frame whose deflection is taken off the displacements; may be null. Approach,

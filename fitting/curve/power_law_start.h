@@ -1,5 +1,5 @@
-// Starting points for the joint fit of baseline and contact. They are cheap, and good
-// enough that one of them lies in the valley of the best fit.
+// Starting points for the joint fit of baseline and contact. The starting points are
+// cheap, and good enough that one of them lies in the valley of the best fit.
 #pragma once
 
 #include <cstddef>

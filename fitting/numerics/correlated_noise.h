@@ -5,10 +5,10 @@
 // Residuals of a fit are smaller than the noise, and less correlated, by what the fit
 // has followed of the noise. Few samples allow many noises, white or shared. What these
 // noises make of a fit is the mean over all, weighted by likelihood. White noise,
-// shared noise and an autoregression are equally probable a priori. So are, of
-// shared noise, all shares and all logarithms of its length up to a quarter of the
-// samples. The autoregression is tried where BIC prefers an order of 2 or more, or
-// neighbours that differ.
+// shared noise and an autoregression are equally probable a priori. So are, of shared
+// noise, all shares and all logarithms of its length up to a quarter of the samples.
+// The autoregression is tried where BIC prefers an order of 2 or more, or neighbours
+// that differ.
 #pragma once
 
 #include <span>
@@ -52,7 +52,7 @@ enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 /// rows are samples in a row. The others are expectations, each with an error of its
 /// own as large as a sample's. @param kinds as noises_of(). With regressions, noise
 /// whose slow part is the larger is found by means of neighbours, at most 200. By few
-/// independent means the covariance is wider, so that 1.96 standard deviations hold 95
+/// independent means the covariance is wider, so that 1.96 standard deviations cover 95
 /// %.
 [[nodiscard]] Eigen::MatrixXd covariance_under_noise(
     const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,

@@ -33,9 +33,9 @@ inline constexpr double kNormal95 = 1.959964;
 /// Standard deviations that make a usual limit of without_outliers().
 inline constexpr double kOutlierDeviations = 5.0;
 
-/// Indices of the residuals that are no outliers. These are within `limit`, or in a run
-/// of more than three beyond it on one side, which is a shape and no glitch. All, where
-/// more than one of 20 were outliers: then the law fails, not the samples.
+/// Indices of the residuals that are no outliers. Such residuals are within `limit`, or
+/// in a run of more than three beyond it on one side, which is a shape and no glitch.
+/// All, where more than one of 20 were outliers: then the law fails, not the samples.
 [[nodiscard]] std::vector<std::size_t> without_outliers(
     std::span<const double> residuals, double limit);
 

@@ -82,9 +82,9 @@ struct BatchReport {
 /// The same and more, for programs.
 [[nodiscard]] std::string batch_json(const Session& session, const BatchReport& report);
 
-/// One HTML file that needs nothing else. It has a table of all runs and, of at most
-/// `most`, plots of data, fit, band and residuals. Where the session names a mesh, it
-/// shows the measured places on the mesh (batch_map).
+/// One HTML file that needs nothing else. The file has a table of all runs and, of at
+/// most `most`, plots of data, fit, band and residuals. Where the session names a mesh,
+/// the file shows the measured places on the mesh (batch_map).
 [[nodiscard]] std::string batch_page(const Session& session, const BatchReport& report,
                                      std::size_t most = 200);
 

@@ -29,7 +29,8 @@ struct LeftOutProbe {
 };
 
 /// What leaving each place out says of one depth, with the parameters of all places and
-/// after screening. It is of the interpolation, not of the whole fit (PatchScore).
+/// after screening. The score is of the interpolation, not of the whole fit
+/// (PatchScore).
 struct DepthScore {
   double depth_m = 0.0;
   std::size_t probes = 0;    ///< places
@@ -46,7 +47,8 @@ struct SurfaceFitReport {
   std::size_t probes = 0;  ///< behind the field
   std::size_t places = 0;  ///< where they are
   /// [-] of log force at the full depth, between presses at one place. NaN where
-  /// repeats do not state it: then the nugget may be it, or roughness, or both
+  /// repeats do not state the repeatability: then the nugget may be repeatability, or
+  /// roughness, or both
   double repeatability = std::numeric_limits<double>::quiet_NaN();
   std::map<std::string, std::size_t> laws;  ///< of those, by name
   std::size_t far_nodes = 0;                ///< beyond kFarLengths of every probe
@@ -76,9 +78,9 @@ struct SurfaceFitOptions {
 /// Common depths are D (k / 12)^2, k = 1 to 12, D the depth that nine of ten probes
 /// reach. Probes that do not reach a depth say nothing there. Log forces and their
 /// errors are those of each probe's law (probe.h). Forces that would fall with depth
-/// are held. Presses at one place are joined (probe_repeats.h). Where they state the
+/// are held. Presses at one place are joined (probe_repeats.h). Where presses state the
 /// repeatability, the nugget is roughness of the surface and in the nodes' errors,
-/// since a press there will meet it. Where they do not, the nugget is in none of the
+/// since a press there will meet it. Where presses do not, the nugget is in none of the
 /// errors. Fields are averaged over the parameters that the data allow. Origins are
 /// measured at nodes that have a probe, interpolated elsewhere; error_relative is the
 /// largest standard deviation of log force over the deeper half. Directions deviate

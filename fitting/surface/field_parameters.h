@@ -42,8 +42,8 @@ struct FieldParametersReport {
     const FieldParameters* near = nullptr);
 
 /// Parameters around the most probable ones of both smoothnesses, at most 14 (weights
-/// below 0.01 left out). An average over them accounts for how little a few probes say
-/// of length, sd and nugget. @param data, report of the fit.
+/// below 0.01 left out). An average over them accounts for how little a few probes
+/// state of length, sd and nugget. @param data, report of the fit.
 [[nodiscard]] std::vector<ProbableParameters> probable_parameters(
     const FieldModel& model, std::span<const FieldData> data,
     const FieldParametersReport& report);

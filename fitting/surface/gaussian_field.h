@@ -1,5 +1,6 @@
 // A Gaussian process on a surface, in sparse form, conditioned on scattered data with
-// errors of their own. It gives log force of one depth from probes to every node.
+// errors of their own. The process gives log force of one depth from probes to every
+// node.
 //
 // Prior (Lindgren, Rue and Lindstrom 2011, alpha = 2 or 3: Matern of smoothness
 // nu = alpha - 1 in the plane), on linear elements:

@@ -17,7 +17,7 @@
 namespace palpate {
 
 /// K times [s], rising: between the two tau (their geometric mean, at most half of the
-/// holds), and the end of the holds. Of one tau it is the end alone.
+/// holds), and the end of the holds. Of one tau the end alone.
 /// @param tau_s 1 or 2, rising. @param seconds > 0, of the holds.
 [[nodiscard]] std::vector<double> share_times_s(std::span<const double> tau_s,
                                                 double seconds);
@@ -40,8 +40,9 @@ namespace palpate {
     const std::vector<const SurfaceProbe*>& held, std::span<const double> time_s);
 
 /// Root mean square over probes and times up to the holds' end, evenly in their
-/// logarithm. It is of each probe's shares less those of the common tau that agree with
-/// it at the times of share_times_s(). So it is what tau common to a body miss.
+/// logarithm. Squared is each probe's shares less the shares of the common tau that
+/// agree with the probe at the times of share_times_s(). The root is what tau common to
+/// a body miss.
 [[nodiscard]] double common_times_error(const std::vector<const SurfaceProbe*>& held,
                                         std::span<const double> tau_s, double seconds);
 

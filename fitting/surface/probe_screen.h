@@ -28,7 +28,7 @@ struct ScreenedField {
 constexpr double kBadProbeScore = 4.5;  ///< 7e-6 of normal residuals are beyond
 
 /// Suspects come first, without a model, since a few glitches would spoil the
-/// likelihood. They are probes farther than 4 robust standard deviations from the
+/// likelihood. Suspects are probes farther than 4 robust standard deviations from the
 /// median of their 8 nearest others. Parameters are then fitted to the others. Suspects
 /// that the field predicts within kBadProbeScore come back. Of the rest the worst goes,
 /// one at a time, while its left-out residual in any set is beyond kBadProbeScore. At

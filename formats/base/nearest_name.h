@@ -7,8 +7,8 @@
 namespace palpate {
 
 /// The candidate with the smallest edit distance to `name`. Insert, delete, replace and
-/// swap of neighbours cost one each. Of equals it is the first; without candidates it
-/// is empty.
+/// swap of neighbours cost one each. Of equals the first is taken; without candidates
+/// the result is empty.
 [[nodiscard]] std::string_view nearest_name(
     std::string_view name, std::span<const std::string_view> candidates);
 

@@ -1,7 +1,6 @@
 // From estimates of error to errors that hold, measured at places that were solved
 // again, better. Split conformal prediction (Lei, G'Sell, Rinaldo, Tibshirani and
-// Wasserman, J. Am. Stat. Assoc. 113, 2018, section 5.2). Am. Stat. Assoc. 113, 2018,
-// section 5.2).
+// Wasserman, J. Am. Stat. Assoc. 113, 2018, section 5.2).
 #pragma once
 
 #include <cstddef>
@@ -37,7 +36,7 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// covering() of the ratios of error and estimate, and at least kLeastErrorFactor.
 /// @param estimate (n) [-] positive. @param error (n) [-] found at the same places;
 /// infinite where the check itself failed, so that nobody knows the error. Where
-/// infinite ones reach into what is to be covered, the largest known one is taken
+/// infinite errors reach into what is to be covered, the largest known one is taken
 /// (covered_share()).
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);

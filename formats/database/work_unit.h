@@ -102,8 +102,8 @@ struct Assembly {
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
   double hard_error_factor = 0.0;  ///< [-] the same beside nodes with kHardPath
-  /// [-] The share of nodes that stated errors hold for, as the number of checks
-  /// states. Of tools the share is the least, 0.95 at most; and of nodes with
+  /// [-] The share of nodes that stated errors hold for, as known from the number of
+  /// checks. Of tools the share is the least, 0.95 at most; and of nodes with
   /// kHardPath.
   double error_covered = kErrorCoverage;
   double hard_error_covered = kErrorCoverage;

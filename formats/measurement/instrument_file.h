@@ -72,7 +72,8 @@ constexpr std::size_t kInstrumentHead = 1 << 16;  ///< bytes
                                               const InstrumentRequest& request);
 
 /// Samples at the start in which the depth is 0 to the last bit while the force is not
-/// still. Their depth was set to 0 before contact. 0 where they are fewer than 8.
+/// still. The depth of these samples was set to 0 before contact. 0 where the samples
+/// are fewer than 8.
 [[nodiscard]] std::size_t clipped_samples(const Measurement& samples);
 
 }  // namespace palpate

@@ -1,9 +1,9 @@
 // Reads a measured force-displacement curve from delimited text.
 //
 // Taken as they come: comma, tab or semicolon between cells; decimal commas where the
-// comma does not separate cells; '#' comments. Also free lines before the line of
-// column names, and a line of units below it. Also rows in which all cells asked for
-// are empty (columns of unequal length side by side).
+// comma does not separate cells; '#' comments. Taken, too, are free lines before the
+// line of column names, and a line of units below the names. Taken, too, are rows in
+// which all cells asked for are empty (columns of unequal length side by side).
 #pragma once
 
 #include <filesystem>

@@ -29,8 +29,8 @@ struct PlacedCurve {
   std::span<const double> sample_direction = {};  ///< (3 k) [-] or empty
 
   /// [-] Unit vector at a normal penetration, as a hand gets it: n + theta of the tilt.
-  /// Without a tilt it is that of the samples, linear between them and renormalised;
-  /// without those, u.
+  /// Without a tilt the vector is that of the samples, linear between samples and
+  /// renormalised; without those, u.
   [[nodiscard]] Eigen::Vector3d direction_at(double penetration_m) const noexcept;
 
   /// [N] at a normal penetration; zero before the first touch.

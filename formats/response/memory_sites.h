@@ -20,9 +20,10 @@ constexpr double kFinestSites = 1.5;
 constexpr double kCoarsestSites = 2.5;
 
 /// Radius of the contact of a tool pressed to a depth, on a flat body [m] > 0. Of a
-/// sphere it is sqrt(R d) (Hertz), of a capsule the half width of the contact, of a
-/// punch the punch's own radius. Of a cone it is 2 d tan(half-angle) / pi (Sneddon). Of
-/// a mesh it is that of the sphere that bounds its lower end as well.
+/// sphere the radius is sqrt(R d) (Hertz), of a capsule the half width of the contact,
+/// of a punch the punch's own radius. Of a cone the radius is 2 d tan(half-angle) / pi
+/// (Sneddon). Of a mesh the radius is that of the sphere that bounds the mesh's lower
+/// end as well.
 /// @param depth_m [m] > 0
 [[nodiscard]] double contact_radius_m(const ToolShape& tool, double depth_m);
 
@@ -32,11 +33,11 @@ constexpr double kCoarsestSites = 2.5;
 [[nodiscard]] double site_spacing_m(const ToolShape& tool, double depth_max_m);
 
 /// A subset of some nodes, each the farthest from those before it that the surface
-/// leads to. It ends where no node is farther than three quarters of the spacing.
-/// Neighbouring sites lie about the spacing apart. Where the mesh is coarser all of
-/// them are sites. A node reads the corners of the triangle of sites around it
-/// (Delaunay's in the tangent plane) by its area coordinates. At a border it reads the
-/// two nearest sites or the nearest.
+/// leads to. The subset ends where no node is farther than three quarters of the
+/// spacing. Neighbouring sites lie about the spacing apart. Where the mesh is coarser
+/// all of them are sites. A node reads the corners of the triangle of sites around it
+/// (Delaunay's in the tangent plane) by its area coordinates. At a border the node
+/// reads the two nearest sites or the nearest.
 /// @param normal  (n x 3) [-] outward.
 /// @param remembers (n) whether the node has a response; others have no sites.
 /// @param spacing_m [m] > 0

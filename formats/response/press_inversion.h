@@ -54,7 +54,7 @@ struct OwnedCurve {
 void make_instantaneous(ResponseTable& table);
 
 /// Upper bound of the largest slope of the instantaneous curve, over that of the
-/// press's. It is 1 / (1 - sum g), infinite where all of the force relaxes.
+/// press's. The bound is 1 / (1 - sum g), infinite where all of the force relaxes.
 [[nodiscard]] double stiffness_factor(const Viscoelasticity& relaxation);
 
 }  // namespace palpate

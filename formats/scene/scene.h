@@ -178,8 +178,8 @@ struct Scene {
 
 /// Reads and checks a scene file (TOML). Relative mesh paths are taken from the scene
 /// file's folder. @throws InputError "scene.toml:12: ..." naming the key, its value and
-/// what is allowed. For an unknown key it names the nearest known one; for a key that
-/// does not belong to a law or shape, those that do.
+/// what is allowed. For an unknown key the error names the nearest known one. For a key
+/// that does not belong to a law or shape, the error names those that do.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file);
 
 }  // namespace palpate

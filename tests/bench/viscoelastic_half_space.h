@@ -1,5 +1,6 @@
 // Boundary elements of a linear viscoelastic half-space under a rigid sphere without
-// friction; contact can be lost. Memory at sites of a surface is measured by them.
+// friction; contact can be lost. Memory at sites of a surface is measured by these
+// boundary elements.
 #pragma once
 
 #include <algorithm>

@@ -49,8 +49,8 @@ struct EdgeJumps {
 };
 
 /// Steps count along the hand between its first and its last tick with a true force. So
-/// they count on the way over the surface, not where the hand comes and goes. A jump is
-/// a step of the force from a tick to the next, less the median step of the kAround
+/// steps count on the way over the surface, not where the hand comes and goes. A jump
+/// is a step of the force from a tick to the next, less the median step of the kAround
 /// ticks before and after. That median step is what the movement makes without a jump.
 /// A turn is the angle between the forces of both ticks, less the median likewise. No
 /// force has no direction, and does not turn. Of an edge it is the largest within

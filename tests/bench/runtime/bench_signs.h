@@ -24,8 +24,8 @@ struct SignsBenchOptions {
   double discord = 0.0;
   /// [1, inf) so many bodies that have nothing but the surface in common, one after the
   /// other. With more than one, every node has a curve, a first touch and a tilt by
-  /// depth of its own. These are at random within the rules of databases; places are
-  /// shared out.
+  /// depth of its own. All three are at random within the rules of databases; places
+  /// are shared out.
   std::int64_t databases = 1;
 };
 
