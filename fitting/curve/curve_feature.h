@@ -1,5 +1,5 @@
 // What a curve does that a soft body's response does not: it falls, stands still or
-// gives way.
+// yields.
 #pragma once
 
 #include <optional>

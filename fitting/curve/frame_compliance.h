@@ -1,4 +1,4 @@
-// How far a machine gives way under the force that it exerts.
+// Compliance of a machine: how far it deflects under the force that it exerts.
 //
 //   d = x - u(F - F0)
 //

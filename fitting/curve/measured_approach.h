@@ -24,7 +24,7 @@ struct FitRange {
 struct Approach {
   std::vector<double> displacement_m;  ///< (n) [m] as measured, n >= kSamplesMin
   std::vector<double> force_n;         ///< (n) [N]
-  /// [m] displacements before it are surely free, as somebody has told
+  /// [m] displacements before it are surely free, as somebody has stated
   double contact_from_m = -std::numeric_limits<double>::infinity();
   double noise_sd_n = 0.0;       ///< [N] standard deviation of the force's white noise
   double press_work_j = 0.0;     ///< [J] over the part that the release covers

@@ -52,8 +52,8 @@ enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 /// rows are samples in a row. The others are expectations, each with an error of its
 /// own as large as a sample's. @param kinds as noises_of(). With regressions, noise
 /// whose slow part is the larger is found by means of neighbours, at most 200. By few
-/// independent means the covariance is wider, so that 1.96 standard deviations cover 95
-/// %.
+/// independent means the covariance is wider, so that 1.96 standard deviations hold
+/// 95 %.
 [[nodiscard]] Eigen::MatrixXd covariance_under_noise(
     const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
     Eigen::Index samples, SharedNoise kinds = SharedNoise::kRough);

@@ -31,7 +31,7 @@ struct MeanCurves {
 /// far as its shallowest run goes. Left out are runs to skip and those whose contact
 /// point is not known, or that stick. Where fewer than two are left, those that begin
 /// in contact are taken, their depths counted from the first sample. Where runs name no
-/// specimen, each point is one, and what is between specimens is told as between
+/// specimen, each point is one, and what is between specimens is reported as between
 /// points. The interval of a point's mean is Student's t of its repeats.
 [[nodiscard]] MeanCurves mean_curves(const BatchReport& report);
 

@@ -31,7 +31,7 @@ ErrorFactors state_errors(const SurfaceMesh& body, double budget,
                           std::span<const PlaceCheck> checks,
                           std::span<NodeResponse> responses);
 
-/// What is told of all places of a tool.
+/// What is stated of all places of a tool.
 [[nodiscard]] AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                              std::span<const PlaceCheck> checks);
 

@@ -67,7 +67,7 @@ constexpr std::size_t kInstrumentHead = 1 << 16;  ///< bytes
 /// "2 (Stress Relaxation, line 2751), 3 (...)": at most a dozen of them.
 [[nodiscard]] std::string name_curves(std::span<const InstrumentCurve> curves);
 
-/// A curve's columns: what is told, else the layout's choice.
+/// A curve's columns: what is stated, else the layout's choice.
 [[nodiscard]] MeasurementColumns told_columns(const InstrumentCurve& curve,
                                               const InstrumentRequest& request);
 

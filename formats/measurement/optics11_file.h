@@ -15,7 +15,7 @@ namespace palpate {
                                std::string_view head);
 [[nodiscard]] InstrumentFile list_optics11(const std::filesystem::path& file);
 
-/// @throws InputError for a told depth that is clipped before contact.
+/// @throws InputError for a stated depth that is clipped before contact.
 [[nodiscard]] MeasurementFile read_optics11(const std::filesystem::path& file,
                                             const InstrumentCurve& curve,
                                             const InstrumentRequest& request);

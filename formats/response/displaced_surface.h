@@ -1,4 +1,4 @@
-// How the surface gives way, for drawing: of stored displacement fields.
+// How the surface deforms, for drawing: of stored displacement fields.
 #pragma once
 
 #include <cstdint>

@@ -43,8 +43,8 @@ enum ResponseFlag : std::uint8_t {
   kFailed = 16,          ///< the solve failed: no curve
   kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
   kTruncatedPath = 64,   ///< ends early: solve stopped, or tool at a support
-  /// The nonlinear path was hard to follow: a step was cut, the contact stiffened, or
-  /// the body was about to give way. Other equilibria may lie near.
+  /// A near-singular load path of the nonlinear solve: a step was cut, the contact
+  /// stiffened, or the body was about to give way. Other equilibria may lie near.
   kHardPath = 128,
 };
 constexpr std::uint8_t kAllResponseFlags = 255;

@@ -31,7 +31,8 @@ struct ServedScene {
   std::vector<std::int32_t> reachable;  ///< vertices that get a response, ascending
   std::string output;      ///< absolute path of the database when all is done
   bool nonlinear = false;  ///< good answers are: cheap ones know small strains alone
-  /// [Pa] >= 0 E / (1 - nu^2) of the body's own material at small strain; 0: not told.
+  /// [Pa] >= 0 E / (1 - nu^2) of the body's own material at small strain; 0: not
+  /// stated.
   double modulus_pa = 0.0;
 };
 
