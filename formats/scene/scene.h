@@ -143,7 +143,7 @@ struct SceneAccuracy {
 struct SceneCutout {
   double radius_m = 0.0;            ///< [m] (0, inf) from the node to the cut
   std::string exterior = "coarse";  ///< what the cut stands on: coarse or clamped
-  /// [m] (0, inf) edges of the coarse body that states how far the cut deforms.
+  /// [m] (0, inf) edges of the coarse body that determines how far the cut deforms.
   double coarse_edge_m = 0.0;
 };
 
