@@ -26,8 +26,8 @@ struct CurveRead {
   std::optional<Measurement> timed;
 };
 
-/// @throws InputError for a file of several presses without a choice, naming them, for
-/// a press that is not there, and as the layout's reader does.
+/// @throws InputError for a file of several presses without a choice, naming them.
+/// InputError too for a press that is not there, and as the layout's reader throws.
 [[nodiscard]] CurveRead read_curve_file(const CurveFile& choice);
 
 /// A sphere of the file's radius where the flags tell no tool; its radius where they

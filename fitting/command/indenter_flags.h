@@ -1,4 +1,4 @@
-// The flags by which a tool is told what pressed.
+// The flags that state to a tool what pressed.
 #pragma once
 
 #include "fitting/material/indenter_options.h"

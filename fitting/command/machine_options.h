@@ -1,4 +1,5 @@
-// What a command is told of the machine: its frame, its clock, the press that counts.
+// What options state to a command of the machine: its frame, its clock, the press that
+// counts.
 #pragma once
 
 #include <functional>
@@ -22,14 +23,14 @@ struct MachineOptions {
 
 void add_machine_options(Command command, MachineOptions& options);
 
-/// The frame as stated, or of the run on a rigid plate; none where neither is told.
+/// The frame as stated, or of the run on a rigid plate; none where neither is stated.
 /// @param read reads a file as the command reads its own.
 /// @throws InputError for both, and as frame_of_run(), naming the file.
 [[nodiscard]] std::optional<FrameRun> frame_of(
     const MachineOptions& options,
     const std::function<Measurement(const std::string&)>& read);
 
-/// The column of --time-column, its unit the header's where none is told.
+/// The column of --time-column, its unit the header's where none is stated.
 /// @throws InputError for a unit without a column.
 [[nodiscard]] std::optional<MeasurementColumn> told_time(const MachineOptions& options);
 

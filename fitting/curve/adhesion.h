@@ -1,12 +1,13 @@
 // A specimen that sticks to the tool: pulls it before contact, and holds it back after.
 //
 // A force law that only pushes takes the jump into contact for noise and puts the
-// contact point too deep. Whether there is adhesion is told by forces below the
+// contact point too deep. Whether there is adhesion is decided by forces below the
 // baseline: at the end of the retract (pull-off) and before the force rises (snap-in).
 //
-// For a sphere of radius R and work of adhesion W, the pull-off force is 3/2 pi W R
-// where the specimen is soft and the sphere large (Johnson, Kendall and Roberts 1971),
-// 2 pi W R where it is hard and small (Derjaguin, Muller and Toporov 1975).
+// A sphere has radius R and work of adhesion W. The pull-off force is 3/2 pi W R where
+// the specimen is soft and the sphere large (Johnson, Kendall and Roberts 1971). The
+// force is 2 pi W R where the specimen is hard and the sphere small (Derjaguin, Muller
+// and Toporov 1975).
 #pragma once
 
 #include <limits>
@@ -31,11 +32,12 @@ struct Adhesion {
 constexpr double kAdhesionDeviations = 6.0;
 
 /// Readings are medians of three neighbours, so that a single wild one is no adhesion.
-/// The baseline is of the first two thirds of the free samples before contact: their
-/// median, and a slope with displacement where that is beyond 4 of its standard
-/// deviations. For the pull-off it is lowered to the median after the retract where
-/// that is less, so that a sensor that does not come back to its zero is no adhesion.
-/// Nothing is told with fewer than 10 free samples before contact.
+/// The baseline is of the first two thirds of the free samples before contact. The
+/// baseline has these samples' median, and a slope with displacement where the slope is
+/// beyond 4 of its standard deviations. For the pull-off the baseline is lowered to the
+/// median after the retract where that median is less. So a sensor that does not come
+/// back to its zero is no adhesion. Nothing is stated with fewer than 10 free samples
+/// before contact.
 /// @param samples as the machine gave them, a drift with time taken off.
 [[nodiscard]] Adhesion find_adhesion(const Measurement& samples,
                                      const Approach& approach, const ContactFit& fit);

@@ -1,5 +1,5 @@
 // What a curve does that a soft body's response does not: it falls, stands still or
-// gives way.
+// yields.
 #pragma once
 
 #include <optional>
@@ -32,18 +32,18 @@ struct CurveFeature {
 [[nodiscard]] std::string describe(const CurveFeature& feature);
 
 /// At most one of each kind, the largest. A fall counts beyond twice the noise and a
-/// hundredth of the largest force; plateau and knee where the force over a tenth of the
-/// depth is beyond three times the noise less than it would be without. A plateau is no
-/// knee as well.
+/// hundredth of the largest force. Plateau and knee compare the force over a tenth of
+/// the depth with the force without them. Each counts where the force is less by more
+/// than three times the noise. A plateau is no knee as well.
 /// @param depth_m (n >= 2) even, from 0. @param force_n (n) the curve.
 /// @param noise_sd_n of one sample.
 [[nodiscard]] std::vector<CurveFeature> find_features(std::span<const double> depth_m,
                                                       std::span<const double> force_n,
                                                       double noise_sd_n);
 
-/// Where samples stand at their largest force without any noise: 8 or more in a row of
-/// one reading over a fiftieth of the displacement, while elsewhere fewer than 5 of 100
-/// repeat the reading before.
+/// Where samples stand at their largest force without any noise. There 8 or more in a
+/// row have one reading over a fiftieth of the displacement. Elsewhere fewer than 5 of
+/// 100 repeat the reading before.
 /// @param displacement_m, force_n (n) in the samples' order.
 [[nodiscard]] std::optional<CurveFeature> find_clipped_force(
     std::span<const double> displacement_m, std::span<const double> force_n);

@@ -2,14 +2,14 @@
 //
 //   F(x) = b0 + b1 x + f(x - x0; q)
 //
-// The contact point x0 is fitted with families whose start has a shape of its own;
-// those that could follow any x0 (splines and the polynomial's slope) take the power
+// The contact point x0 is fitted with families whose start has a shape of its own.
+// Families that could follow any x0 (splines and the polynomial's slope) take the power
 // law's. None is before the approach's contact_from_m.
 //
 // Families that miss the data by more than their noise (misfit.h) come after all that
-// do not, whatever a criterion says, in the order of their residuals; interpolating,
-// which may fall, comes after all others that do not miss, unless its AICc is better
-// than all of theirs by 30.
+// do not, whatever a criterion says. Such families are in the order of their residuals.
+// Interpolating, which may fall, comes after all others that do not miss, unless its
+// AICc is better than all of theirs by 30.
 #pragma once
 
 #include <limits>
@@ -66,10 +66,10 @@ struct FamilyChoice {
   std::string criterion;
 };
 
-/// @param reference the power law's fit of the same approach, exponent free: the first
-/// family, and baseline and contact point of those without one of their own - unless
-/// the law misses; then those of the law of as much of the curve's beginning as it does
-/// not.
+/// @param reference the power law's fit of the same approach, exponent free. The power
+/// law is the first family, and gives baseline and contact point of families without
+/// one of their own. If the law misses, these are of the law of as much of the curve's
+/// beginning as the law does not miss.
 /// @param criterion one of kCriteria (session.h).
 /// @throws InputError for an unknown family.
 [[nodiscard]] FamilyChoice fit_families(const Approach& approach,

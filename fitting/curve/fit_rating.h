@@ -42,9 +42,9 @@ struct Rating {
 /// outside [1 nm, 0.5 m], force outside [1 pN, 100 kN]), not_converged. Gates to check:
 /// the flags already_in_contact, contact_point_not_identified, non_monotone_depth,
 /// non_passive_loop, misfit of the chosen family, force_falls, and parameter_at_bound
-/// of an exponent or contact point. Score: product over rms and near-contact rms of 1 /
-/// (1 + max(0, ratio - 1) / 5), of 1 / (1 + max(0, -runs_z) / 20), and of 1 / 2 for
-/// every gate to check.
+/// of an exponent or contact point. Score: a product. Rms and near-contact rms have the
+/// factor 1 / (1 + max(0, ratio - 1) / 5) each. Runs have the factor 1 / (1 + max(0,
+/// -runs_z) / 20). Every gate to check has the factor 1 / 2.
 [[nodiscard]] Rating rate(const ContactFit& fit, const FamilyChoice& choice);
 
 }  // namespace palpate

@@ -1,9 +1,10 @@
-// How far a machine gives way under the force that it exerts.
+// Compliance of a machine: how far it deflects under the force that it exerts.
 //
 //   d = x - u(F - F0)
 //
 // Symbols: x displacement that the machine reports [m], F force [N], F0 force before
-// contact, u deflection of frame, load cell and tip holder [m], d what the tip moved.
+// contact. u is the deflection of frame, load cell and tip holder [m], d what the tip
+// moved.
 #pragma once
 
 #include <limits>
@@ -52,8 +53,9 @@ constexpr double kFrameShareMax = 0.5;  ///< [-] more is flagged
 /// compression and its force positive.
 /// @param first_n samples of the approach. F0 is the median force of its first five.
 /// @throws InputError where the frame takes all that the machine moved while the
-/// approach's force rose from half to its largest, or the force exceeds that of a frame
-/// whose stiffness is not constant by more than kFrameForceBeyond.
+/// approach's force rose from half to its largest. InputError too where the force
+/// exceeds that of a frame whose stiffness is not constant by more than
+/// kFrameForceBeyond.
 void take_off_deflection(const FrameCompliance& frame, std::size_t first_n,
                          Measurement& measurement);
 

@@ -1,5 +1,6 @@
-// What is before contact, as it is: a straight line and white noise, or interference,
-// vibration, a sensor's steps, a bent drift, a toe of the curve.
+// What is before contact, as it is: a straight line and white noise. Or what is before
+// contact is interference, vibration, a sensor's steps, a bent drift, a toe of the
+// curve.
 #pragma once
 
 #include <array>
@@ -10,16 +11,18 @@
 
 namespace palpate {
 
-/// Whether the law surely misses the curve, or what it takes for free travel is no
-/// straight line: on a toe of the curve the noise of all is no yardstick.
+/// Whether the law surely misses the curve, or what the law takes for free travel is no
+/// straight line. On a toe of the curve the noise of all is no yardstick.
 /// @param fit of the approach, no empty run, as for all functions here.
 [[nodiscard]] bool is_led_astray(const Approach& approach, const ContactFit& fit);
 
 /// Makes the noise of what is surely free the yardstick of what the law misses (misfit,
-/// free_to_m), where that explains it: it is then not the law's fault. Surely free is
-/// what somebody has told, or the first half of what the law takes for free travel.
-/// @return false where it does not explain it, is more than 2 % of the forces' range,
-/// or has fewer than 40 samples, or where the noise grows with the force.
+/// free_to_m), where that noise explains the miss. The miss is then not the law's
+/// fault. Surely free is what somebody has stated, or the first half of what the law
+/// takes for free travel.
+/// @return false where the noise does not explain the miss, or is more than 2 % of the
+/// forces' range. False, too, for fewer than 40 samples, or where the noise grows with
+/// the force.
 [[nodiscard]] bool explain_by_free_travel(const Approach& approach, ContactFit& fit);
 
 /// The bend of the drift before contact, a parabola's, which leaves nothing but noise
@@ -41,7 +44,7 @@ struct DriftBend {
                                                      const ContactFit& fit);
 
 /// The standard deviation of a result because of a bend that may not be there. Each way
-/// of straightening moves the result; the squares are averaged by each way's Akaike
+/// of straightening moves the result. The squares are averaged by each way's Akaike
 /// weight (Burnham & Anderson 2002, 2.9), a bend being as likely as none before. Of the
 /// bend's square counts what exceeds its own variance.
 /// @param fit of the approach with its bend
@@ -51,14 +54,14 @@ struct DriftBend {
                              const std::array<ContactFit, 2>& straight,
                              const std::array<double, 2>& moved);
 
-/// [m] The end of the first sixth of the travel, or a half, a quarter, an eighth of it,
-/// where the force is flat until there: no fit is needed to see that contact is not
-/// before.
+/// [m] The end of the first sixth of the travel, or of a half, a quarter or an eighth
+/// of that sixth. The force is flat until there. No fit is needed to see that contact
+/// is not before.
 [[nodiscard]] std::optional<double> flat_until_m(const Approach& approach);
 
-/// The samples up to the first peak behind which the force falls by 10 standard
-/// deviations of noise and a tenth of what it had risen; none where it never does, or
-/// within the first 16 samples.
+/// The samples up to the first peak with a fall behind it. The fall is of 10 standard
+/// deviations of noise and a tenth of what the force had risen. None where the force
+/// never falls so, or the peak is within the first 16 samples.
 [[nodiscard]] std::optional<Approach> before_fall(const Approach& approach);
 
 }  // namespace palpate

@@ -49,15 +49,15 @@ inline constexpr std::size_t kHoldSamplesMin = 12;
 
 /// Least squares over all ramps and holds (press_model.h), neighbours averaged where
 /// the force changes slowly (press_rows.h). The curve is a power law or a monotone
-/// spline, the terms one to three, by the smallest n ln(squares) + p ln(n), n the
-/// number of independent samples, p that of the parameters. Standard deviations from
-/// the residuals' own noise, white and shared by neighbours. A release is added where
-/// the same model follows it: the residuals' rms grows by no more than a quarter.
+/// spline, the terms one to three. The choice has the smallest n ln(squares) + p ln(n),
+/// n the number of independent samples, p that of the parameters. Standard deviations
+/// from the residuals' own noise, white and shared by neighbours. A release is added
+/// where the same model follows it: the residuals' rms grows by no more than a quarter.
 /// Refused for fewer than 8 samples before the hold and 12 in the longest.
 [[nodiscard]] JointRelaxation fit_press_and_hold(const PressAndHold& measured);
 
-/// Share of the force at the end of a press at a speed [m/s] that is left after the
-/// tool has stayed for a time [s]. @param joint not refused.
+/// Share of the force at the end of a press at a speed [m/s]. The share is what is left
+/// after the tool has stayed for a time [s]. @param joint not refused.
 [[nodiscard]] double held_share(const JointRelaxation& joint, double speed_m_per_s,
                                 double time_s);
 

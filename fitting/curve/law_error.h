@@ -10,12 +10,12 @@
 namespace palpate {
 
 /// Standard error [-] of the logarithm of K d^p at each depth d [m] (k), d > 0 and at
-/// most a few times the measured one: g^T C g with g the gradient by the free
-/// parameters, C the covariance of baseline, drift, contact point, exponent and
-/// coefficient under the noise of the approach (covariance_under_noise). The depth
-/// counts from the fitted contact point, whose error is part of C. Infinite where the
-/// parameters cannot be told apart.
-/// What the law surely misses of the approach counts as smooth noise.
+/// most a few times the measured one. The error's square is g^T C g, with g the
+/// gradient by the free parameters. C is the covariance of baseline, drift, contact
+/// point, exponent and coefficient under the noise of the approach
+/// (covariance_under_noise). The depth counts from the fitted contact point, whose
+/// error is part of C. Infinite where the parameters cannot be told apart. What the law
+/// surely misses of the approach counts as smooth noise.
 /// @param fit of this approach, not an empty run.
 [[nodiscard]] Eigen::VectorXd log_force_errors(const Approach& approach,
                                                const ContactFit& fit,

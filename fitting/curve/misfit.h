@@ -1,13 +1,14 @@
 // What the residuals of a fitted law say: noise, or a shape that the law has not.
 //
-// A cubic spline of up to kIntervals even shares of the samples follows the residuals;
-// what it leaves is noise, white and shared by neighbours (correlated_noise.h, by the
-// restricted likelihood, so that what of the noise the spline has followed is counted).
-// Under that noise V the spline takes tr(Q^T V Q) of the residuals' squares, Q its
-// orthonormal basis, with variance 2 tr((Q^T V Q)^2); the law misses what it takes
-// more, or what the residuals' mean square is above the noise's: that is how a sharp
-// miss shows. What neighbours share over more than a spline's interval counts as shape,
-// unless samples that surely touch nothing have it too.
+// A cubic spline of up to kIntervals even shares of the samples follows the residuals.
+// What the spline leaves is noise, white and shared by neighbours (correlated_noise.h).
+// The restricted likelihood is used, so that what of the noise the spline has followed
+// is counted. Q is the spline's orthonormal basis. Under that noise V the spline takes
+// tr(Q^T V Q) of the residuals' squares, with variance 2 tr((Q^T V Q)^2). The law
+// misses what the spline takes more, or what the residuals' mean square is above the
+// noise's. A sharp miss shows by the residuals' mean square. What neighbours share over
+// more than a spline's interval counts as shape, unless samples that surely touch
+// nothing have it too.
 #pragma once
 
 #include <span>
@@ -44,8 +45,9 @@ struct Misfit {
 class ResidualNoise {
  public:
   /// @param x (n) displacements, any order. @param residual (n) in the samples' order.
-  /// @param free so many of the first samples touch nothing: all that they are beside a
-  /// straight line is noise, and the other samples' is the same. 0: none is known.
+  /// @param free so many of the first samples touch nothing. All that these samples are
+  /// beside a straight line is noise, and the other samples' noise is the same. 0: none
+  /// is known.
   ResidualNoise(std::span<const double> x, std::span<const double> residual,
                 std::size_t free = 0);
 

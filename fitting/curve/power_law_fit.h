@@ -2,10 +2,10 @@
 //
 //   F(x) = b0 + b1 x + K max(x - x0, 0)^p
 //
-// Symbols: x displacement [m], F force [N], b0 + b1 x baseline and drift [N], [N/m],
-// x0 contact point [m], p exponent [-], K coefficient [N/m^p]. Detectors that wait for
-// the force to rise are late (by 0.2 to 1 mm over 5 mm); the joint fit is unbiased as
-// long as p is free.
+// Symbols: x displacement [m], F force [N], b0 + b1 x baseline and drift [N], [N/m], x0
+// contact point [m], p exponent [-], K coefficient [N/m^p]. Detectors that wait for the
+// force to rise are late (by 0.2 to 1 mm over 5 mm). The joint fit is unbiased as long
+// as p is free.
 #pragma once
 
 #include <cstddef>
@@ -66,8 +66,9 @@ struct ContactFit {
   Eigen::MatrixXd covariance;
   double seconds = 0.0;         ///< [s] wall time
   double noise_relative = 0.0;  ///< [-] as told
-  /// Where the law surely misses the curve: the same law for as much of its beginning -
-  /// up to 40, 15 or 5 % of the force - as it does not miss; null where it misses all
+  /// Where the law surely misses the curve: the same law for as much of its beginning
+  /// as the law does not miss. The beginning is up to 40, 15 or 5 % of the force; null
+  /// where the law misses all
   std::shared_ptr<const ContactFit> beginning;
 
   [[nodiscard]] bool has(FitFlag flag) const;
@@ -83,24 +84,24 @@ struct ContactFitOptions {
 /// correlated among neighbours.
 ///
 /// 1. Bounds. A parameter at a bound is held there and named.
-/// 2. Drift. It is expected to lift the force by at most a tenth of its range (one
-///    standard deviation), which matters where the free travel is short. Where the free
-///    travel is too short to separate drift from contact, the fit has no drift, if that
-///    fits as well.
-/// 3. No free travel: the contact point is among the first samples, or the drift lifts
+/// 2. Drift. Drift is expected to lift the force by at most a tenth of its range (one
+///    standard deviation). The expectation matters where the free travel is short.
+///    Where the free travel is too short to separate drift from contact, the fit has no
+///    drift, if that fits as well.
+/// 3. No free travel. The contact point is among the first samples, or the drift lifts
 ///    the force by more than a tenth of its range before contact. Then the contact
 ///    point is assumed at the first sample, the drift is zero, and a flag says so. An
-///    approach that is known to be free at first (contact_from_m) is excepted: its
+///    approach that is known to be free at first (contact_from_m) is excepted. Its
 ///    contact point is not before that, and its drift is always fitted.
 /// 4. Lack of fit: the law surely misses the curve (misfit.h). Then no drift lifts the
 ///    force by more than that tenth, however uncertain the drift is. Contact is not
 ///    assumed at the first sample where the curve's beginning has free travel.
 /// 5. Beginning. With lack of fit and a free exponent, `contact` is that of the longest
-///    beginning that the law follows (0.4, 0.15 or 0.05 of the force). Its standard
-///    deviation includes the largest difference to the contact points of the whole
-///    curve and of the next longer and shorter beginning. Where the law follows no
-///    beginning, the contact point of what precedes the first fall of the force counts;
-///    without one `contact` is not identified.
+///    beginning that the law follows. Beginnings have 0.4, 0.15 or 0.05 of the force.
+///    The contact point's standard deviation includes the largest difference to the
+///    contact points of the whole curve and of the next longer and shorter beginning.
+///    Where the law follows no beginning, the contact point of what precedes the first
+///    fall of the force counts; without one `contact` is not identified.
 /// 6. Exceptions. The law does not miss what the noise before contact explains, nor
 ///    what a sure bend of the drift explains. A bend widens the contact point's
 ///    standard deviation by the shift that it causes, as far as the bend is likely

@@ -1,5 +1,6 @@
-// The power law that fits an approach best, in units of the approach's own ranges:
-// from which start, on which samples, with or without a drift, from where in contact.
+// The power law that fits an approach best, in units of the approach's own ranges. The
+// search finds from which start, on which samples, with or without a drift, from where
+// in contact.
 #pragma once
 
 #include <cstddef>
@@ -35,8 +36,8 @@ constexpr std::size_t kFreeSamplesMin = 3;
 [[nodiscard]] ScaledApproach scale_approach(const Approach& approach,
                                             double noise_relative);
 
-/// Whether the force never leaves the noise of the baseline, which is that of the first
-/// fifth about its mean slope, or the white noise if that is larger.
+/// Whether the force never leaves the noise of the baseline. That noise is the first
+/// fifth's about its mean slope, or the white noise if that is larger.
 [[nodiscard]] bool is_empty(const Approach& approach);
 
 /// As fit_contact() says. @param exponent held; free without.

@@ -34,7 +34,7 @@ struct ContactSolveReport {
 };
 
 /// Minimises the sum of squared residuals, and of drift_weight times the slope, from
-/// `start` by Levenberg-Marquardt (Ceres) within exponent [1, 4], coefficient >=
+/// `start` by Levenberg-Marquardt (Ceres). Bounds: exponent [1, 4], coefficient >=
 /// kCoefficientMin, contact [contact_min, 1].
 /// @param loss_scale residual [-] beyond which Cauchy's loss replaces the square; 0 for
 /// plain least squares. With a loss it stops at 1e-6 of the cost (it serves to find the

@@ -1,5 +1,5 @@
-// Starting points for the joint fit of baseline and contact: cheap, and good enough
-// that one of them lies in the valley of the best fit.
+// Starting points for the joint fit of baseline and contact. The starting points are
+// cheap, and good enough that one of them lies in the valley of the best fit.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +44,7 @@ constexpr std::size_t kThinnedSamples = 400;
 [[nodiscard]] double ratio_of_variances(const ScaledCurve& curve);
 
 /// The best models over a grid of contact points (and those of the detectors) and
-/// exponents, the other parameters by linear least squares: best first, at most
+/// exponents, the other parameters by linear least squares. Best first, at most
 /// `count`, contact points at least 0.05 apart. @param exponent the only one to try.
 [[nodiscard]] std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
                                                        std::optional<double> exponent,

@@ -47,7 +47,7 @@ struct CycleSummary {
 };
 
 /// One of each press, none for a single one. Works are over the travel that approach
-/// and release both cover, of the approach alone without a release; forces are counted
+/// and release both cover, of the approach alone without a release. Forces are counted
 /// from the baseline of the press' own fit.
 /// @param presses of split_presses(). @param frame may be null.
 [[nodiscard]] std::vector<CycleSummary> summarise_cycles(

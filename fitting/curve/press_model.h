@@ -7,9 +7,9 @@
 // g_k = r_k / (1 + sum r) and their sum stays below 1. b [N] baseline. All but time is
 // scaled: depths by the travel, forces by the largest.
 //
-// Curves: the power law a = c max(u - u0, 0)^p; the monotone spline a = sum_j c_j
-// phi_j(u), c_j >= 0 its slopes at nodes from the contact point u0 on, straight between
-// them.
+// Curves: the power law a = c max(u - u0, 0)^p, and the monotone spline a = sum_j c_j
+// phi_j(u). The spline's c_j >= 0 are its slopes at nodes from the contact point u0 on,
+// straight between them.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,6 @@
-// Samples of a press and its holds as the rows of a fit: means of neighbours, fewer of
-// them where the force changes fast - while the tool moves, and just after it stops.
+// Samples of a press and its holds as the rows of a fit. Rows are means of neighbours,
+// fewer of them where the force changes fast: while the tool moves, and just after it
+// stops.
 #pragma once
 
 #include <vector>

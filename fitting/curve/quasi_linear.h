@@ -2,9 +2,9 @@
 //
 //   f(t) = e(t) - sum_k g_k q_k(t),  tau_k q_k'(t) = e(t) - q_k(t),
 //
-// e(t) = f_e(d(t)) [N] what the instantaneous curve f_e gives at once, q_k [N] the
-// force that has relaxed into term k, g_k >= 0, sum g_k <= 1. It is the convolution f =
-// int G(t - s) de(s), G(t) = 1 - sum_k g_k (1 - exp(-t / tau_k)) (Fung 1981, 7.6).
+// e(t) = f_e(d(t)) [N] is what the instantaneous curve f_e gives at once. q_k [N] is
+// the force that has relaxed into term k, g_k >= 0, sum g_k <= 1. f is the convolution
+// f = int G(t - s) de(s), G(t) = 1 - sum_k g_k (1 - exp(-t / tau_k)) (Fung 1981, 7.6).
 #pragma once
 
 #include <span>
@@ -25,15 +25,16 @@ struct RelaxationTerm {
   std::string not_claimed;
 };
 
-/// q (n x c) of one term for c signals e (n x c) at times t (n) that do not fall; exact
+/// q (n x c) of one term for c signals e (n x c) at times t (n) that do not fall. Exact
 /// for signals that are linear between the times. q = e at the first.
 [[nodiscard]] Eigen::MatrixXd relaxed_force(const Eigen::VectorXd& time_s,
                                             const Eigen::MatrixXd& elastic,
                                             double tau_s);
 
-/// What a hold shows of terms after a press at constant speed: the terms' times with
-///   g'_k = g_k (e - q_k) / f   at the end of the press,
-/// so that the held force is f (1 - sum_k g'_k (1 - exp(-t / tau_k))).
+/// What a hold shows of terms after a press at constant speed. The terms' times go with
+///   g'_k = g_k (e - q_k) / f
+/// at the end of the press. So the held force is
+///   f (1 - sum_k g'_k (1 - exp(-t / tau_k))).
 /// @param displacement_m, force_n (m >= 2) of the instantaneous curve, rising from its
 /// first depth without force; linear between them. @param speed_m_per_s > 0
 [[nodiscard]] std::vector<RelaxationTerm> shown_by_press(

@@ -22,10 +22,11 @@ struct Segment {
   std::size_t begin = 0, end = 0;  ///< samples [begin, end)
 };
 
-/// Segments of all samples in order, any number. Still is what stays within 0.2 % of
-/// the travel for at least 5 samples, and 2 % of those that are not in a stretch of 2 %
-/// of them all; the motion turns where it goes back by more than 1 % of the travel.
-/// Compression is positive.
+/// Segments of all samples in order, any number. A stretch is still where it stays
+/// within 0.2 % of the travel for enough samples. Enough are at least 5, and at least
+/// 2 % of the samples in motion. In motion are samples that are not in a still stretch
+/// of 2 % of all samples. The motion turns where it goes back by more than 1 % of the
+/// travel. Compression is positive.
 [[nodiscard]] std::vector<Segment> find_segments(
     std::span<const double> displacement_m);
 

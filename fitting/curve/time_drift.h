@@ -3,9 +3,10 @@
 //   F = b0 + b1 x + c t    while the tool touches nothing
 //
 // Symbols: F force [N], x displacement [m], t time [s]. A drift with time and one with
-// displacement are told apart by free samples before contact and after the retract, or
-// by a dwell before the approach. The baseline of the force law (b0 + b1 x) cannot take
-// in c t: the retract's part would be counted as loss, and holds as relaxation.
+// displacement are told apart by free samples before contact and after the retract. A
+// dwell before the approach tells them apart, too. The baseline of the force law (b0 +
+// b1 x) cannot take in c t. The retract's part would be counted as loss, and holds as
+// relaxation.
 #pragma once
 
 #include <limits>
@@ -27,9 +28,10 @@ struct TimeDrift {
 
 constexpr double kDriftDeviations = 4.0;
 
-/// Refused without time, with fewer than 10 free samples, where displacement and time
-/// cannot be told apart, and where the baseline leaps between approach and retract by
-/// more than kDriftDeviations standard deviations from what a steady drift explains.
+/// Refused without time, with fewer than 10 free samples, and where displacement and
+/// time cannot be told apart. Refused where the baseline leaps between approach and
+/// retract. A leap is more than kDriftDeviations standard deviations from what a steady
+/// drift explains.
 [[nodiscard]] TimeDrift find_time_drift(const Measurement& measurement,
                                         const Approach& approach,
                                         const ContactFit& fit);

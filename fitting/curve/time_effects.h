@@ -40,10 +40,11 @@ struct Relaxation {
                                         std::span<const double> force_n);
 
 /// The hold of a measurement in which the force falls for longest. `joint` is of the
-/// whole way: from where the tool last left the shallowest 5 % of the travel before
-/// that hold, all ramps and holds up to the last before the tool goes back, and where
-/// the same model follows them the release and holds after that, while a thirtieth of
-/// the force is left. Refused without time or without a hold of 12 samples.
+/// whole way, from where the tool last left the shallowest 5 % of the travel before
+/// that hold. The way has all ramps and holds up to the last before the tool goes back.
+/// Where the same model follows the release and holds after that, these are included
+/// while a thirtieth of the force is left. Refused without time or without a hold of 12
+/// samples.
 [[nodiscard]] Relaxation find_relaxation(const Measurement& measurement);
 
 /// find_relaxation() of a press that stands still twice or more, deeper than the

@@ -17,9 +17,9 @@ struct IndenterOptions {
   std::optional<double> poissons_ratio_sd;
 };
 
-/// "unknown" where no shape is told.
+/// "unknown" where no shape is stated.
 /// @throws InputError for a flag that the shape needs and misses, or does not have, and
-/// for a value out of range; it names flags, "--radius-m".
+/// for a value out of range. The error names flags, "--radius-m".
 [[nodiscard]] Indenter indenter_of(const IndenterOptions& options);
 
 }  // namespace palpate

@@ -50,16 +50,16 @@ struct MaterialFit {
   double seconds = 0.0;
 };
 
-/// Least squares (Ceres) of b + f(parameters, x - x0) over all curves at once, f the
-/// sweep's force interpolated in logarithms, b and x0 of each curve free, parameters
-/// within the sweep, from several starts. A factor on all the sweep's forces is free
-/// too, expected at 1 within the sweep's own error: a modulus is known no better.
-/// Residuals of a curve count in units of their own rms, fewer where neighbours err
-/// together (correlated_noise.h). Profiles: each parameter held at values across the
-/// sweep, all else free.
+/// Least squares (Ceres) of b + f(parameters, x - x0) over all curves at once. f is the
+/// sweep's force interpolated in logarithms, b and x0 of each curve are free.
+/// Parameters stay within the sweep; the fit has several starts. A factor on all the
+/// sweep's forces is free too, expected at 1 within the sweep's own error: a modulus is
+/// known no better. Residuals of a curve count in units of their own rms, fewer where
+/// neighbours err together (correlated_noise.h). Profiles: each parameter held at
+/// values across the sweep, all else free.
 ///
-/// Identifiable is a parameter whose profile rises above 3.84 on both sides inside the
-/// sweep, without another one being at the sweep's edge there: else the interval is the
+/// A parameter is identifiable if its profile rises above 3.84 on both sides inside the
+/// sweep. No other parameter may be at the sweep's edge there: else the interval is the
 /// sweep's, not the data's.
 /// @throws InputError for no curves, or curves that go deeper than twice the sweep.
 [[nodiscard]] MaterialFit fit_material(const ResponseSweep& sweep,

@@ -51,7 +51,7 @@ struct MaterialBox {
 
 /// Covariance of the parameters' logarithms (p x p), contact points, baselines and the
 /// factor free. Directions that the data say nothing of get a variance of 1e12 of what
-/// a lone parameter would have, so that correlations tell what goes together.
+/// a lone parameter would have. So correlations state what goes together.
 [[nodiscard]] Eigen::MatrixXd material_covariance(
     const std::vector<ScaledMaterialCurve>& curves, const MaterialState& state,
     double factor_sd);

@@ -19,10 +19,10 @@
 namespace palpate {
 
 /// A part of a modulus' standard deviation: "data", "radius", "half_angle", "height",
-/// "thickness", "poissons_ratio"; of a plate "contact", what the contact point's error
-/// makes of E, and "law", half of what the slopes of both halves of the strains differ
-/// where they surely do (then flagged kModulusLawMisfit); "drift": where that surely
-/// bends before contact, what E differs without the bend.
+/// "thickness", "poissons_ratio". Of a plate "contact" is what the contact point's
+/// error makes of E. Of a plate "law" is half of what the slopes of both halves of the
+/// strains differ, where they surely differ (then flagged kModulusLawMisfit). "drift"
+/// is what E differs without the bend, where the drift surely bends before contact.
 struct ModulusError {
   std::string name;
   double sd_pa = 0.0;
@@ -37,12 +37,13 @@ struct Modulus {
   std::vector<FitFlag> flags;  ///< of the law's own fit
 };
 
-/// No modulus (with the reason) for an unknown indenter, an empty run, or, except for a
-/// plate, a contact point that the data do not determine, with a free exponent or,
-/// where that does not speak against the law's (2 standard deviations), with the law's:
-/// E depends on a power of the depth, so an error of the contact point becomes one of
-/// E. Flagged where a sphere's depth passes R/4, and where the free exponent differs
-/// from the law's by more than 3 standard deviations and 0.1.
+/// No modulus (with the reason) for an unknown indenter or an empty run. None either,
+/// except for a plate, for a contact point that the data do not determine. The contact
+/// point must be determined with a free exponent. Where the free exponent does not
+/// speak against the law's (2 standard deviations), a contact point determined with the
+/// law's suffices. E depends on a power of the depth, so an error of the contact point
+/// becomes one of E. Flagged where a sphere's depth passes R/4, and where the free
+/// exponent differs from the law's by more than 3 standard deviations and 0.1.
 /// @param free the fit with a free exponent. @param indenter as read_session() checks.
 [[nodiscard]] Modulus find_modulus(const Approach& approach, const ContactFit& free,
                                    const Indenter& indenter);

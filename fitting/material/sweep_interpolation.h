@@ -11,10 +11,11 @@
 
 namespace palpate {
 
-/// Log force of one vertex over the logarithms of the parameters and of depth: a tensor
-/// product of cubic Hermite splines whose slopes are those of the parabola through
-/// three neighbours (exact for parabolas: for a power law in every variable, also
-/// beyond the grid, where it goes on linearly). C1 inside.
+/// Log force of one vertex over the logarithms of the parameters and of depth. The
+/// interpolation is a tensor product of cubic Hermite splines whose slopes are those of
+/// the parabola through three neighbours. The splines are exact for parabolas: for a
+/// power law in every variable, also beyond the grid, where they go on linearly. C1
+/// inside.
 class SweepInterpolation {
  public:
   /// @param place of the vertex in the sweep, which must be valid.

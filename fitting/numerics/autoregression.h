@@ -28,11 +28,11 @@ struct Autoregression {
 [[nodiscard]] Autoregression autoregression_of(const Eigen::VectorXd& residual,
                                                Eigen::Index order_max);
 
-/// That of noise whose residuals, of a fit with this Jacobian (n x p), follow `seen`:
-/// with H = J (J^T J)^-1 J^T a fit takes V - (I - H) V (I - H) off the covariance V,
-/// most of it slow. To first order, V of `seen` there; of the same order. `seen` where
-/// the first order is not enough: what it gives is no covariance, or half as much
-/// again.
+/// The autoregression of noise whose residuals, of a fit with this Jacobian (n x p),
+/// follow `seen`. With H = J (J^T J)^-1 J^T a fit takes V - (I - H) V (I - H) off the
+/// covariance V, most of it slow. To first order, V of `seen` there; of the same order.
+/// `seen` where the first order is not enough: what it gives is no covariance, or half
+/// as much again.
 [[nodiscard]] Autoregression before_fit(const Autoregression& seen,
                                         const Eigen::MatrixXd& jacobian);
 

@@ -20,9 +20,9 @@ struct AxialDesign {
 };
 
 /// The centre, and two points along each principal axis of the cost's curvature there,
-/// at 1.1 sqrt(m) standard deviations; weighed by exp(-cost) so that for a normal
-/// density mean and covariance are exact. Curvature by differences of `step`; no axis
-/// is taken to be wider than `widest`.
+/// at 1.1 sqrt(m) standard deviations. Points are weighed by exp(-cost) so that for a
+/// normal density mean and covariance are exact. Curvature by differences of `step`; no
+/// axis is taken to be wider than `widest`.
 /// @param cost of m variables, not finite where there is no density. @param centre its
 /// minimum, or near it.
 [[nodiscard]] AxialDesign axial_design(

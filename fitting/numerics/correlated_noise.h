@@ -1,13 +1,14 @@
 // Noise of samples in a row (noise_filter.h) as residuals tell it, and what it makes of
 // a least-squares fit.
 //
-// The likelihood of a noise is the restricted one (Patterson and Thompson 1971):
-// residuals of a fit are smaller than the noise, and less alike, by what the fit has
-// followed of it. Few samples allow many noises, white or shared; what they make of a
-// fit is the mean over all, weighted by likelihood: as probable as each other before
-// are white noise, shared noise and an autoregression, and of shared noise all shares
-// and all logarithms of its length up to a quarter of the samples. The autoregression
-// is tried where BIC prefers an order of 2 or more, or neighbours that differ.
+// The likelihood of a noise is the restricted one (Patterson and Thompson 1971).
+// Residuals of a fit are smaller than the noise, and less correlated, by what the fit
+// has followed of the noise. Few samples allow many noises, white or shared. What these
+// noises make of a fit is the mean over all, weighted by likelihood. White noise,
+// shared noise and an autoregression are equally probable a priori. So are, of shared
+// noise, all shares and all logarithms of its length up to a quarter of the samples.
+// The autoregression is tried where BIC prefers an order of 2 or more, or neighbours
+// that differ.
 #pragma once
 
 #include <span>
@@ -25,8 +26,8 @@ struct ProbableNoise {
 };
 
 /// Which noises are tried beside white and rough ones. A smooth shape that a law has
-/// not counts as noise where it is known to be there; where it is not, trying it only
-/// widens intervals.
+/// not counts as noise where the shape is known to be there. Where the shape is not
+/// there, trying it only widens intervals.
 enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 
 /// Those that residuals allow, weights below 1e-3 left out.
@@ -48,10 +49,10 @@ enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 /// Covariance of plain least-squares parameters under the noise of their residuals:
 /// (J^T J)^-1 J^T V J (J^T J)^-1. All NaN where they cannot be told apart.
 /// @param jacobian, residual as for noises_of(). @param samples how many of the first
-/// rows are samples in a row; the others are expectations, each with an error of its
+/// rows are samples in a row. The others are expectations, each with an error of its
 /// own as large as a sample's. @param kinds as noises_of(). With regressions, noise
-/// whose slow part is the larger is told by means of neighbours, at most 200, and by
-/// few independent ones the covariance is wider, so that 1.96 standard deviations hold
+/// whose slow part is the larger is found by means of neighbours, at most 200. By few
+/// independent means the covariance is wider, so that 1.96 standard deviations hold
 /// 95 %.
 [[nodiscard]] Eigen::MatrixXd covariance_under_noise(
     const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,

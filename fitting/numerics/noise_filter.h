@@ -3,8 +3,8 @@
 //   V(i, j) = white^2 [i = j] + shared^2 rho^|i - j|
 //
 // or, of smooth noise, shared^2 (1 + l k) exp(-l k), k = |i - j|, l = -sqrt(3) ln rho
-// (Matern's of smoothness 3/2): what a law misses of a curve is smooth.
-// What oscillates follows from the samples before (autoregression.h).
+// (Matern's of smoothness 3/2). What a law misses of a curve is smooth. What oscillates
+// follows from the samples before (autoregression.h).
 #pragma once
 
 #include <memory>

@@ -33,14 +33,15 @@ inline constexpr double kNormal95 = 1.959964;
 /// Standard deviations that make a usual limit of without_outliers().
 inline constexpr double kOutlierDeviations = 5.0;
 
-/// Indices of the residuals that are no outliers: within `limit`, or in a run of more
-/// than three beyond it on one side, which is a shape and no glitch. All, where more
-/// than one of 20 were outliers: then the law fails, not the samples.
+/// Indices of the residuals that are no outliers. Such residuals are within `limit`, or
+/// in a run of more than three beyond it on one side, which is a shape and no glitch.
+/// All, where more than one of 20 were outliers: then the law fails, not the samples.
 [[nodiscard]] std::vector<std::size_t> without_outliers(
     std::span<const double> residuals, double limit);
 
 /// Each value replaced by the median of itself and up to `reach` neighbours on both
-/// sides; as many on one side as on the other, so a rising sequence stays as it is.
+/// sides. As many are taken on one side as on the other, so a rising sequence stays as
+/// it is.
 [[nodiscard]] std::vector<double> running_median(std::span<const double> values,
                                                  std::size_t reach);
 

@@ -9,10 +9,10 @@ namespace palpate {
 
 using SparseFactor = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
-/// S = A^-1 on the pattern of the factor of A = P^T L L^T P, by Takahashi's recurrence
-/// (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975), from the last column on:
-///   S_ij = (delta_ij / L_ii - sum_{k > i} L_ki S_kj) / L_ii.
-/// Costs about as much as the factorisation, and needs no column of the whole inverse.
+/// S = A^-1 on the pattern of the factor of A = P^T L L^T P, by Takahashi's recurrence.
+/// (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975.) From the last column on:
+/// S_ij = (delta_ij / L_ii - sum_{k > i} L_ki S_kj) / L_ii. Costs about as much as the
+/// factorisation, and needs no column of the whole inverse.
 class SelectedInverse {
  public:
   /// @param factor of A; must have succeeded.

@@ -69,7 +69,8 @@ struct BatchReport {
 };
 
 /// @param threads at least 1. @param progress called now and then, from one thread at a
-/// time, with the number of files done; what it throws ends the work, and comes out.
+/// time, with the number of files done. What `progress` throws ends the work, and comes
+/// out.
 /// @throws InputError as session_frame().
 [[nodiscard]] BatchReport fit_session(const Session& session, unsigned threads,
                                       const std::function<void(std::size_t)>& progress);
@@ -81,9 +82,9 @@ struct BatchReport {
 /// The same and more, for programs.
 [[nodiscard]] std::string batch_json(const Session& session, const BatchReport& report);
 
-/// One HTML file that needs nothing else: a table of all runs and, of at most `most`,
-/// plots of data, fit, band and residuals; where the session names a mesh, the measured
-/// places on it (batch_map).
+/// One HTML file that needs nothing else. The file has a table of all runs and, of at
+/// most `most`, plots of data, fit, band and residuals. Where the session names a mesh,
+/// the file shows the measured places on the mesh (batch_map).
 [[nodiscard]] std::string batch_page(const Session& session, const BatchReport& report,
                                      std::size_t most = 200);
 

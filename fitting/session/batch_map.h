@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// HTML of a body that the user can turn, with a mark at each place that was measured:
-/// its colour is the median stiffness of the place's runs that are not skipped, its
-/// edge their best verdict; a click names the runs. Marks lie on the surface point
+/// HTML of a body that the user can turn, with a mark at each place that was measured.
+/// A mark's colour is the median stiffness of the place's runs that are not skipped,
+/// its edge their best verdict. A click names the runs. Marks lie on the surface point
 /// nearest to the place. Empty without a mesh or without positions; one line with the
 /// reason where the mesh cannot be read. Links lead to the elements "run0", "run1", ...
 /// of the page.

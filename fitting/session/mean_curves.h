@@ -17,8 +17,8 @@ struct MeanCurve {
   std::vector<RandomEffects> force_n;  ///< (k) [N] each depth's
 };
 
-/// Even depths from 0 on, a round step (1, 2 or 5 times a power of ten) of at most a
-/// twenty-fifth of `largest_m`, the last at most that.
+/// Even depths from 0 on. The step is round (1, 2 or 5 times a power of ten), at most a
+/// twenty-fifth of `largest_m`. The last depth is at most `largest_m`.
 [[nodiscard]] std::vector<double> depth_grid_m(double largest_m);
 
 struct MeanCurves {
@@ -29,9 +29,9 @@ struct MeanCurves {
 
 /// Of all runs, of each specimen with two points, of each point with two repeats, as
 /// far as its shallowest run goes. Left out are runs to skip and those whose contact
-/// point is not known, or that stick; where fewer than two are left, those that begin
+/// point is not known, or that stick. Where fewer than two are left, those that begin
 /// in contact are taken, their depths counted from the first sample. Where runs name no
-/// specimen, each point is one, and what is between specimens is told as between
+/// specimen, each point is one, and what is between specimens is reported as between
 /// points. The interval of a point's mean is Student's t of its repeats.
 [[nodiscard]] MeanCurves mean_curves(const BatchReport& report);
 

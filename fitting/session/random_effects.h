@@ -4,11 +4,11 @@
 //   y_ijk = m + s_i + p_ij + e_ijk
 //
 // Symbols: y_ijk repeat k at point j of specimen i, m mean, s, p, e independent and
-// normal with mean 0. Variances by the method of moments on unweighted means, which for
-// a balanced design is the analysis of variance of the textbooks; the mean is that of
-// the specimens' means, its interval Student's t with one degree of freedom less than
-// specimens: exact for a balanced design. (Searle, Casella and McCulloch 1992,
-// chapter 3.)
+// normal with mean 0. Variances are by the method of moments on unweighted means. For a
+// balanced design that method is the analysis of variance of the textbooks. The mean is
+// that of the specimens' means. The mean's interval is Student's t with one degree of
+// freedom less than specimens: exact for a balanced design. (Searle, Casella and
+// McCulloch 1992, chapter 3.)
 #pragma once
 
 #include <cstddef>

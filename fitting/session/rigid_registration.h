@@ -37,14 +37,14 @@ struct Registration {
   }
 };
 
-/// @throws InputError for fewer than 3 pairs, pairs on a line (rms distance from it
-/// less than 2 % of their extent), sizes of the two clouds that differ by more than a
-/// fifth, and pairs that only a mirror brings together.
+/// @throws InputError for fewer than 3 pairs, and pairs on a line (rms distance from it
+/// less than 2 % of their extent). InputError too for sizes of the two clouds that
+/// differ by more than a fifth, and pairs that only a mirror brings together.
 [[nodiscard]] Registration register_rigidly(std::vector<RegistrationPair> pairs);
 
 /// Expected rms error [m] of a point of the mesh, from the pairs' own errors alone:
-/// localisation_sd^2 / n (1 + sum_k d_k^2 / (3 f_k^2)), d_k its distance from axis k,
-/// f_k the pairs' rms distance (Fitzpatrick, West and Maurer 1998).
+/// localisation_sd^2 / n (1 + sum_k d_k^2 / (3 f_k^2)). d_k is the point's distance
+/// from axis k, f_k the pairs' rms distance (Fitzpatrick, West and Maurer 1998).
 [[nodiscard]] double registration_error_m(const Registration& registration,
                                           const Eigen::Vector3d& mesh_m);
 

@@ -79,11 +79,11 @@ struct Session {
   std::vector<std::string> notes;
 };
 
-/// Files of runs are not opened, but globs are expanded (in the order of the alphabet),
-/// and afmformats files and those of layout "auto" are asked for their curves.
-/// @throws InputError "session.toml:12: ..." naming key, value and what is allowed; for
-/// a glob without a match, a run named twice, a row of the table of points that fits no
-/// file, and a file without a row there.
+/// Files of runs are not opened, but globs are expanded (in the order of the alphabet).
+/// Afmformats files and those of layout "auto" are asked for their curves.
+/// @throws InputError "session.toml:12: ..." naming key, value and what is allowed.
+/// InputError too for a glob without a match, and a run named twice. InputError too for
+/// a row of the table of points that fits no file, and a file without a row there.
 [[nodiscard]] Session read_session(const std::filesystem::path& file);
 
 /// What was taken from the files, a line "read   ..." each, at most 20.

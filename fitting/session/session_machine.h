@@ -10,7 +10,7 @@
 namespace palpate {
 
 /// The frame as the session states it, or as its run on a rigid plate has it (then with
-/// rms and samples of the fit); none where it states neither.
+/// rms and samples of the fit). None where the session states neither.
 /// @throws InputError as frame_of_run() and read_run(), naming the file.
 [[nodiscard]] std::optional<FrameRun> session_frame(const Session& session);
 

@@ -22,11 +22,11 @@ namespace palpate {
                                        const Measurement& measurement);
 
 /// Reads and fits every run that has a position: one press of each (split_presses), the
-/// first unless the session's cycle chooses another, by the best of the session's
-/// families, the frame's deflection and drifts with time taken off. A run that cannot
-/// be read, has no position, fewer presses than its cycle, or a specimen that sticks by
-/// more than kAdhesionShareMax of its largest force, is listed in `left_out` with its
-/// reason; none stops the others.
+/// first unless the session's cycle chooses another. The fit is by the best of the
+/// session's families, the frame's deflection and drifts with time taken off. A run
+/// that cannot be read, has no position or has fewer presses than its cycle is listed
+/// in `left_out` with its reason. Listed too is a run of a specimen that sticks by more
+/// than kAdhesionShareMax of its largest force. No such run stops the others.
 /// @param notes what was taken off, one line each.
 /// @throws InputError as session_frame(), and for the cycle "all".
 [[nodiscard]] std::vector<SurfaceProbe> session_probes(

@@ -12,9 +12,9 @@
 namespace palpate {
 
 /// @param notes what was taken off the runs, a line each.
-/// @throws InputError for an indenter that the runtime does not render, fewer runs than
-/// kProbesMin that can be read and placed, and as session_probes(), session_body() and
-/// fit_surface().
+/// @throws InputError for an indenter that the runtime does not render, and fewer runs
+/// than kProbesMin that can be read and placed. InputError too as session_probes(),
+/// session_body() and fit_surface().
 [[nodiscard]] SurfaceFit fit_session_surface(const Session& session,
                                              std::vector<std::string>& notes);
 

@@ -15,8 +15,9 @@ struct AttachedPoint {
   double distance_m = 0.0;  ///< [m] of the point in space from the surface
 };
 
-/// The closest point of the surface: on every triangle the projection onto its plane
-/// where that lies inside, else the closest point of its edges; ties go to the first.
+/// The closest point of the surface. On every triangle it is the projection onto the
+/// triangle's plane where that lies inside, else the closest point of its edges. Ties
+/// go to the first.
 /// @throws InputError for a surface without triangles, or a point that is not finite.
 [[nodiscard]] AttachedPoint closest_surface_point(const SurfaceMesh& mesh,
                                                   const Eigen::Vector3d& point_m);

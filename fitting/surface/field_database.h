@@ -27,8 +27,8 @@ struct ProbeDirection {
 };
 
 /// Unit directions at the nodes (n x 3): the normals, turned by the mean deviation of
-/// the directions measured nearby, with Gaussian weights of the width given [m] and a
-/// twentieth of one direction's weight for the bare normal.
+/// the directions measured nearby. The mean has Gaussian weights of the width given [m]
+/// and a twentieth of one direction's weight for the bare normal.
 [[nodiscard]] Points node_directions(const SurfaceMesh& body,
                                      std::span<const ProbeDirection> probes,
                                      double width_m);

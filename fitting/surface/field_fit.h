@@ -1,8 +1,8 @@
 // From measured curves at scattered points of a body to a response at every node.
 //
-// Each curve's fitted law gives log forces at depths common to all; each depth's are a
-// surface field (gaussian_field.h) with one set of parameters, after bad probes are
-// screened; exponentials of the fields are the nodes' curves.
+// Each curve's fitted law gives log forces at depths common to all. Each depth's log
+// forces are a surface field (gaussian_field.h) with one set of parameters, after bad
+// probes are screened. Exponentials of the fields are the nodes' curves.
 #pragma once
 
 #include <filesystem>
@@ -28,8 +28,9 @@ struct LeftOutProbe {
   std::string reason;  ///< one line
 };
 
-/// What leaving each place out says of one depth, with the parameters of all of them
-/// and after screening: of the interpolation, not of the whole fit (PatchScore).
+/// What leaving each place out says of one depth, with the parameters of all places and
+/// after screening. The score is of the interpolation, not of the whole fit
+/// (PatchScore).
 struct DepthScore {
   double depth_m = 0.0;
   std::size_t probes = 0;    ///< places
@@ -45,8 +46,9 @@ struct SurfaceFitReport {
   PatchScore patches;  ///< at a quarter and at all of the depth; none without options
   std::size_t probes = 0;  ///< behind the field
   std::size_t places = 0;  ///< where they are
-  /// [-] of log force at the full depth, between presses at one place; NaN where
-  /// repeats do not tell it: then the nugget may be it, or roughness, or both
+  /// [-] of log force at the full depth, between presses at one place. NaN where
+  /// repeats do not state the repeatability: then the nugget may be repeatability, or
+  /// roughness, or both
   double repeatability = std::numeric_limits<double>::quiet_NaN();
   std::map<std::string, std::size_t> laws;  ///< of those, by name
   std::size_t far_nodes = 0;                ///< beyond kFarLengths of every probe
@@ -74,19 +76,19 @@ struct SurfaceFitOptions {
 };
 
 /// Common depths are D (k / 12)^2, k = 1 to 12, D the depth that nine of ten probes
-/// reach; probes that do not reach a depth say nothing there. Log forces and
-/// their errors are those of each probe's law (probe.h). Forces that would fall
-/// with depth are held. Presses at one place are joined (probe_repeats.h); where they
-/// tell the repeatability, the nugget is roughness of the surface and in the nodes'
-/// errors, since a press there will meet it; where they do not, it is in none of them.
-/// Fields are averaged over the parameters that the data allow. Origins are measured at
-/// nodes that have a probe, interpolated elsewhere; error_relative is the largest
-/// standard deviation of log force over the deeper half. Directions deviate from the
-/// normals as the probes' do, each within half a length. Relaxation is kept by probe,
-/// and for the nodes by keep_relaxation().
+/// reach. Probes that do not reach a depth say nothing there. Log forces and their
+/// errors are those of each probe's law (probe.h). Forces that would fall with depth
+/// are held. Presses at one place are joined (probe_repeats.h). Where presses state the
+/// repeatability, the nugget is roughness of the surface and in the nodes' errors,
+/// since a press there will meet it. Where presses do not, the nugget is in none of the
+/// errors. Fields are averaged over the parameters that the data allow. Origins are
+/// measured at nodes that have a probe, interpolated elsewhere; error_relative is the
+/// largest standard deviation of log force over the deeper half. Directions deviate
+/// from the normals as the probes' do, each within half a length. Relaxation is kept by
+/// probe, and for the nodes by keep_relaxation().
 /// @param body closed or open, every vertex in a triangle, outside out.
-/// @throws InputError for fewer than kProbesMin usable probes or places, a probe
-/// farther from the surface than a tenth of the body's diagonal; NumericalError as
+/// @throws InputError for fewer than kProbesMin usable probes or places, and a probe
+/// farther from the surface than a tenth of the body's diagonal. NumericalError as
 /// FieldModel.
 [[nodiscard]] SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
                                      std::span<const SurfaceProbe> probes,

@@ -26,15 +26,15 @@ struct FieldParametersReport {
   double seconds = 0.0;               ///< [s] wall time
 };
 
-/// Most probable parameters of several sets of data at the same points: one per depth,
-/// one set of parameters for all, so that the depths are smoothed alike. The sets come
-/// from the same presses and err together: their log marginal likelihoods are averaged,
-/// not added. Before the data (Fuglstad et al. 2019): of 20 lengths one is below a
-/// twentieth of the body's diagonal, density as 1 / length^2 far above; sd and nugget
-/// are exponential, one of 20 above 2 and 0.3. By a downhill simplex in the parameters'
-/// logarithms from the best of three lengths, for both smoothnesses. Bounds: length
-/// from one mean edge to twice the body's diagonal (smoothness 2: at most 68 mean
-/// edges), sd 1e-3 to 10, nugget 1e-4 to 3.
+/// Most probable parameters of several sets of data at the same points: one set of data
+/// per depth. All depths have one set of parameters, so that the depths are smoothed
+/// alike. The sets come from the same presses and err together: their log marginal
+/// likelihoods are averaged, not added. Prior (Fuglstad et al. 2019): of 20 lengths one
+/// is below a twentieth of the body's diagonal, density as 1 / length^2 far above. sd
+/// and nugget are exponential, one of 20 above 2 and 0.3. By a downhill simplex in the
+/// parameters' logarithms from the best of three lengths, for both smoothnesses.
+/// Bounds: length from one mean edge to twice the body's diagonal (smoothness 2: at
+/// most 68 mean edges). Bounds of sd are 1e-3 to 10, of the nugget 1e-4 to 3.
 /// @param near if given, where to start instead.
 /// @throws InputError for no data, or as FieldModel does.
 [[nodiscard]] FieldParametersReport fit_field_parameters(
@@ -42,8 +42,8 @@ struct FieldParametersReport {
     const FieldParameters* near = nullptr);
 
 /// Parameters around the most probable ones of both smoothnesses, at most 14 (weights
-/// below 0.01 left out): what is averaged over them knows how little of length, sd and
-/// nugget a few probes tell. @param data, report of the fit.
+/// below 0.01 left out). An average over them accounts for how little a few probes
+/// state of length, sd and nugget. @param data, report of the fit.
 [[nodiscard]] std::vector<ProbableParameters> probable_parameters(
     const FieldModel& model, std::span<const FieldData> data,
     const FieldParametersReport& report);

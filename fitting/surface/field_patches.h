@@ -1,5 +1,6 @@
-// How a field predicts patches of the surface that it has not seen: everything is done
-// again without them, so that nothing of what is predicted is in the prediction.
+// How a field predicts patches of the surface that it has not seen. Everything is done
+// again without these patches, so that nothing of what is predicted is in the
+// prediction.
 #pragma once
 
 #include <cstddef>

@@ -1,10 +1,13 @@
 // A Gaussian process on a surface, in sparse form, conditioned on scattered data with
-// errors of their own: log force of one depth from probes to every node.
+// errors of their own. The process gives log force of one depth from probes to every
+// node.
 //
 // Prior (Lindgren, Rue and Lindstrom 2011, alpha = 2 or 3: Matern of smoothness
 // nu = alpha - 1 in the plane), on linear elements:
+//
 //   value = mu + x,  x ~ N(0, Q^-1),  Q = s L (C^-1 L)^(alpha - 1),  L = kappa^2 C + G,
 //   kappa = sqrt(2 nu) / length,  s = 1 / (4 pi nu kappa^(2 nu) sd^2),
+//
 // mu unknown with a flat prior. Data: y = mu + A x + e, e ~ N(0, D^-1), 1 / D_ii =
 // sd_i^2 + nugget^2. Symbols: C lumped mass [m^2], G cotangent stiffness [-], A area
 // coordinates of the data's points (m x n). On bodies smaller than a few lengths the
@@ -44,14 +47,14 @@ struct FieldPosterior {
   double mean_level = 0.0;  ///< [-] mu, generalised least squares
   Eigen::VectorXd mean;     ///< (n) [-] of the linear field at the nodes
   Eigen::VectorXd sd;       ///< (n) [-] of it, mu's share included
-  /// (n) [-] e^2 lap(mean) / 16, mean squared edge e^2: where a field is curved, a
-  /// linear one that fits it over the triangles lies so far below it at the nodes
+  /// (n) [-] e^2 lap(mean) / 16, mean squared edge e^2. Where a field is curved, a
+  /// linear field that fits it over the triangles lies so far below it at the nodes
   Eigen::VectorXd sag;
   [[nodiscard]] Eigen::VectorXd at_nodes() const {  ///< (n) [-] the field itself
     return mean + sag;
   }
   /// (m) [-] value minus its prediction from all other used data, in closed form (also
-  /// for data that are not used); NaN where the value is not finite
+  /// for data that are not used). NaN where the value is not finite
   Eigen::VectorXd left_out_residual;
   /// (m) [-] standard deviation of that residual: field, error and nugget
   Eigen::VectorXd left_out_sd;
@@ -64,10 +67,10 @@ class FieldModel {
   /// @throws InputError as surface_operator() does.
   FieldModel(const SurfaceMesh& mesh, std::vector<AttachedPoint> point);
 
-  /// Log density of the used data, mu integrated out (restricted likelihood):
-  ///   -1/2 [log|V| + log(1^T V^-1 1) + y^T P y + (m - 1) log 2 pi],
-  /// V = A Q^-1 A^T + D^-1, P = V^-1 - V^-1 1 1^T V^-1 / (1^T V^-1 1), by two sparse
-  /// factorisations: |V| = |Q + A^T D A| / (|Q| |D|).
+  /// Log density of the used data, mu integrated out (restricted likelihood): -1/2
+  ///   [log|V| + log(1^T V^-1 1) + y^T P y + (m - 1) log 2 pi]. V = A Q^-1 A^T + D^-1,
+  ///   P = V^-1 - V^-1 1 1^T V^-1 / (1^T V^-1 1). The density is found by two sparse
+  ///   factorisations: |V| = |Q + A^T D A| / (|Q| |D|).
   /// @throws InputError for parameters or data out of range, fewer than 2 used data;
   /// NumericalError if a factorisation fails.
   [[nodiscard]] double log_marginal_likelihood(const FieldParameters& parameters,

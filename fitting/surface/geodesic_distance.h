@@ -10,8 +10,8 @@
 namespace palpate {
 
 /// (n) [m] at every vertex, by fast marching over triangles (Kimmel and Sethian 1998;
-/// along edges where a triangle is obtuse): first order, a few per cent too long.
-/// Infinite where no source can be reached.
+/// along edges where a triangle is obtuse). Distances are of first order, a few per
+/// cent too long. Infinite where no source can be reached.
 [[nodiscard]] Eigen::VectorXd geodesic_distance_m(
     const SurfaceMesh& mesh, std::span<const AttachedPoint> source);
 

@@ -26,8 +26,9 @@ struct SurfaceProbe {
   std::optional<Relaxation> relaxation = {};  ///< of its hold, where that was fitted
 };
 
-/// Why it says nothing of a depth - empty run, no convergence, already in contact,
-/// contact point not known to a tenth of the depth; empty where it does.
+/// Why a probe says nothing of a depth. Reasons are an empty run, no convergence, a run
+/// already in contact, or a contact point not known to a tenth of the depth. Empty
+/// where there is no reason.
 [[nodiscard]] std::string reason_unusable(const SurfaceProbe& probe);
 
 /// Largest depth [m] beyond the contact point of its law.

@@ -16,14 +16,13 @@ namespace palpate {
 /// A row for each probe, not a number where it has none; no rows where none has any.
 [[nodiscard]] RunRelaxation run_relaxation(std::span<const SurfaceProbe> probes);
 
-/// One for all nodes: two terms fitted to the median over the probes of what each one's
-/// own terms let stay, at equal times up to the shortest hold, after a press at the
-/// median speed: where press and hold of a probe were fitted together, its share is
-/// multiplied by what that says of the two speeds; else it is its own press's. Holds
-/// shorter than half
-/// the median hold, and presses without a speed, are left out. Medians of the terms
-/// themselves would not do: the two terms of a probe trade against each other. Empty
-/// where no probe has any.
+/// One for all nodes: two terms fitted to a median over the probes. The median is of
+/// what each probe's own terms let stay after a press at the median speed. Times are
+/// the same for all probes, up to the shortest hold. Where press and hold of a probe
+/// were fitted together, its share is multiplied by what that fit says of the two
+/// speeds. Else the share is its own press's. Holds shorter than half the median hold,
+/// and presses without a speed, are left out. Medians of the terms themselves would not
+/// do: the two terms of a probe trade against each other. Empty where no probe has any.
 [[nodiscard]] ResponseRelaxation common_relaxation(
     const std::vector<const SurfaceProbe*>& probes);
 
@@ -32,10 +31,10 @@ namespace palpate {
 [[nodiscard]] std::vector<const SurfaceProbe*> held_with_press(
     const std::vector<const SurfaceProbe*>& probes);
 
-/// How the material relaxes, as it is rendered: two terms fitted to the median over
-/// held_with_press() of what each one's press and hold, fitted together, say of it;
-/// times up to the shortest hold. Curves are of a press at the median speed. Empty
-/// where there are none.
+/// How the material relaxes, as it is rendered: two terms fitted to a median over
+/// held_with_press(). The median is of what each one's press and hold, fitted together,
+/// say of the relaxation. Times are up to the shortest hold. Curves are of a press at
+/// the median speed. Empty where there are none.
 [[nodiscard]] Viscoelasticity common_viscoelasticity(
     const std::vector<const SurfaceProbe*>& probes);
 

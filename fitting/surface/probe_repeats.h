@@ -33,7 +33,7 @@ constexpr std::size_t kRepeatsMin = 5;
 /// By set: repeatability^2 = what robust spread of presses about their place's median
 /// is beyond their stated errors. A press more than 4.5 standard deviations from the
 /// median of three or more is left out, in all sets. A place's datum is the mean of the
-/// others, weighed by 1 / (error^2 + repeatability^2), with the error that follows; so
+/// others, weighed by 1 / (error^2 + repeatability^2), with the error that follows. So
 /// a nugget fitted to joined data is roughness where the repeatability is known. Where
 /// it is not, the nugget is both.
 [[nodiscard]] JoinedPresses join_presses(

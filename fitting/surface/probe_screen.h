@@ -27,12 +27,13 @@ struct ScreenedField {
 
 constexpr double kBadProbeScore = 4.5;  ///< 7e-6 of normal residuals are beyond
 
-/// Suspects first, without a model: probes farther than 4 robust standard deviations
-/// from the median of their 8 nearest others, since a few glitches would spoil the
-/// likelihood. Parameters are then fitted to the others; suspects that the field
-/// predicts within kBadProbeScore come back; of the rest the worst goes, one at a time,
-/// while its left-out residual in any set is beyond it. At most a fifth of the probes
-/// are taken. Parameters are fitted anew whenever probes came back or went.
+/// Suspects come first, without a model, since a few glitches would spoil the
+/// likelihood. Suspects are probes farther than 4 robust standard deviations from the
+/// median of their 8 nearest others. Parameters are then fitted to the others. Suspects
+/// that the field predicts within kBadProbeScore come back. Of the rest the worst goes,
+/// one at a time, while its left-out residual in any set is beyond kBadProbeScore. At
+/// most a fifth of the probes are taken. Parameters are fitted anew whenever probes
+/// came back or went.
 /// @param data one set or more; all used at first where their values are finite.
 /// @param near if given, parameters from which the fits start.
 /// @throws InputError as FieldModel does.

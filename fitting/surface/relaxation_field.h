@@ -1,6 +1,6 @@
-// Relaxation that differs over a body, from probes that were held: Gaussian fields of
-// the shares of force that are gone at a few times, where they predict what they have
-// not seen better than one median for all nodes does.
+// Relaxation that differs over a body, from probes that were held. Fields are Gaussian,
+// of the shares of force that are gone at a few times. Fields are used where they
+// predict unseen places better than one median for all nodes does.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ namespace palpate {
 /// Places with a hold that a field needs at least.
 constexpr std::size_t kHeldPlacesMin = 20;
 /// The field is taken where the squares of what it misses, weighed, are smaller than
-/// those of one value for all nodes by more than so many standard errors (Breiman et
-/// al. 1984, 3.4.3: the simpler of two within one); these follow from the scatter of
-/// the sums over patches of neighbours.
+/// those of one value for all nodes. The squares must be smaller by more than so many
+/// standard errors (Breiman et al. 1984, 3.4.3: the simpler of two within one). The
+/// standard errors follow from the scatter of the sums over patches of neighbours.
 constexpr double kFieldGainMin = 1.0;
 
 struct RelaxationFieldReport {
@@ -43,13 +43,14 @@ struct RelaxationField {
   RelaxationFieldReport report;
 };
 
-/// The times are those that miss least of all probes; presses at one place are joined
+/// The times are those that miss least of all probes. Presses at one place are joined,
 /// and places that the others contradict left out (probe_repeats.h, probe_screen.h).
 /// Length, sd and nugget are found for each share, and averaged over as for forces. The
 /// nugget is in the errors where repeats tell it from repeatability. g of a node:
 /// nearest_terms(). error_relative of a node: standard deviation of the share of force
-/// that is gone, the larger of those at `time_s`, and what the common times miss. 95 %
-/// of nodes should have true shares within 1.96 times that.
+/// that is gone. The variance is the largest one at `time_s`, plus the square of what
+/// the common times miss. 95 % of nodes should have true shares within 1.96 times
+/// error_relative.
 /// @param held probes whose press and hold were fitted together. @param common what
 /// they say in common: returned as it is where no field is taken. Empty: nothing.
 [[nodiscard]] RelaxationField relaxation_field(

@@ -30,9 +30,10 @@ struct CommandWords {
 };
 
 /// Replaces old names of options, and --config FILE by the options that it holds. FILE
-/// is TOML: keys are long names without dashes, of all verbs or in a table named as the
-/// verb, which goes before; true gives a flag, false leaves it out, an array gives
-/// several values. What the line gives itself goes before the file.
+/// is TOML. The file's keys are long names without dashes. The keys are those of all
+/// verbs, or stand in a table named as the verb, which goes before. A key with true
+/// gives a flag, one with false leaves the flag out, an array gives several values.
+/// What the line gives itself goes before the file.
 /// @throws InputError naming the file, and the key that is no option's value.
 [[nodiscard]] CommandWords command_words(std::span<const std::string> given);
 

@@ -44,9 +44,9 @@ class DeviceError : public Error {
   explicit DeviceError(const std::string& what) : Error(what, 5) {}
 };
 
-/// Memory, processes or room on a disk that are not there at present, or a file that
-/// somebody else is writing: the same call may succeed later. By 75 job engines know to
-/// try again (EX_TEMPFAIL of sysexits.h).
+/// Memory, processes or room on a disk are not there at present, or somebody else is
+/// writing the file. The same call may succeed later. By 75 job engines know to try
+/// again (EX_TEMPFAIL of sysexits.h).
 class ResourceError : public Error {
  public:
   explicit ResourceError(const std::string& what) : Error(what, 75) {}

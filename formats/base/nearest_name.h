@@ -6,8 +6,9 @@
 
 namespace palpate {
 
-/// The candidate with the smallest edit distance (insert, delete, replace and swap of
-/// neighbours cost one each) to `name`; the first of equals; empty without candidates.
+/// The candidate with the smallest edit distance to `name`. Insert, delete, replace and
+/// swap of neighbours cost one each. Of equals the first is taken; without candidates
+/// the result is empty.
 [[nodiscard]] std::string_view nearest_name(
     std::string_view name, std::span<const std::string_view> candidates);
 

@@ -10,8 +10,8 @@
 namespace palpate {
 
 /// Opens a database, reads its index alone, and then chunks as they are asked for.
-/// Checksums of the index and of every chunk that is read are verified, and a chunk's
-/// node indices and curves are those that check() accepts once its digest matches the
+/// Checksums of the index and of every chunk that is read are verified. A chunk's node
+/// indices and curves are those that check() accepts once its digest matches the
 /// writer's. Any thread may call it: calls exclude one another, and whole-file reads
 /// and writes of the process (Hdf5Lock), because the HDF5 library is not thread-safe.
 class ChunkReader {

@@ -19,8 +19,8 @@ struct CurveDifference {
 };
 
 /// Forces are vectors. The mean is an integral between the samples of both, four Gauss
-/// points each: exact to rounding where both point the same way at all depths, because
-/// magnitudes are cubics. Zero without a common depth.
+/// points each. The integral is exact to rounding where both point the same way at all
+/// depths, because magnitudes are cubics. Zero without a common depth.
 [[nodiscard]] CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b);
 
 struct NodeDifference {
@@ -56,8 +56,8 @@ struct ToolDifference {
   StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 
-  /// Whether no force differs by more than this part of the node's own, no node has a
-  /// response in one file only, curves end together, and they relax alike.
+  /// Whether no force differs by more than this part of the node's own, and no node has
+  /// a response in one file only. Curves must end together and relax alike.
   [[nodiscard]] bool agrees(double tolerance_relative) const;
 };
 

@@ -1,5 +1,5 @@
-// What a renderer or a tool must know of a database before it reads any response: which
-// nodes lie together, where, and how large their responses get.
+// What a renderer or a tool must know of a database before it reads any response. The
+// index states which nodes lie together, where, and how large their responses get.
 #pragma once
 
 #include <cstdint>

@@ -35,8 +35,8 @@ void check_responses(const std::string& group, const ResponseTable& table,
 void check_normals(const Points& normal, const ResponseTable& table,
                    std::int64_t first = 0, std::span<const double> longest_edge_m = {});
 
-/// A chunk of the body against what the index says of it: its nodes lie in its box, and
-/// its triangles begin with one of its nodes.
+/// A chunk of the body against what the index says of the chunk. The chunk's nodes lie
+/// in its box, and its triangles begin with one of its nodes.
 void check_chunk(const DatabaseIndex& index, std::int64_t chunk, const BodyChunk& body);
 
 /// A chunk of responses against the index: its largest depth, force, slope, error and

@@ -1,5 +1,5 @@
-// From estimates of error to errors that hold: measured at places that were solved
-// again, better (split conformal prediction; Lei, G'Sell, Rinaldo, Tibshirani and
+// From estimates of error to errors that hold, measured at places that were solved
+// again, better. Split conformal prediction (Lei, G'Sell, Rinaldo, Tibshirani and
 // Wasserman, J. Am. Stat. Assoc. 113, 2018, section 5.2).
 #pragma once
 
@@ -26,16 +26,18 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// largest of fewer than 19, which is no guarantee. @param values (n >= 1).
 [[nodiscard]] double covering(std::vector<double> values);
 
-/// The share of new values that covering() of n of them, of which `known` are, is told
-/// to cover: n / (n + 1) of few, less where what is known does not reach that far.
+/// The share of new values that covering() of n values, of which `known` are known, is
+/// stated to cover. The share is n / (n + 1) of few values, less where what is known
+/// does not reach that far.
 [[nodiscard]] double covered_share(std::size_t known, std::size_t n);
 
 /// [-] The factor on estimates that covers 95 % of new places, whatever the
-/// distribution of errors, if checked places were chosen at random: covering() of the
-/// ratios of error and estimate, and at least kLeastErrorFactor.
+/// distribution of errors, if checked places were chosen at random. The factor is
+/// covering() of the ratios of error and estimate, and at least kLeastErrorFactor.
 /// @param estimate (n) [-] positive. @param error (n) [-] found at the same places;
-/// infinite where the check itself failed, so that nobody knows: where these reach into
-/// what is to be covered, the largest that is known is taken (covered_share()).
+/// infinite where the check itself failed, so that nobody knows the error. Where
+/// infinite errors reach into what is to be covered, the largest known one is taken
+/// (covered_share()).
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);
 
@@ -43,9 +45,9 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// checks yet.
 inline constexpr double kExpectedErrorFactor = kLeastErrorFactor;
 
-/// The error of a solution at a vertex over its difference to a check. In the median of
-/// presses beside much finer ones 1.4 and 0.9 of a linear organ and a linear liver, 1.0
-/// of a neo-Hookean gel (press_error_study, MEASURED.md).
+/// The error of a solution at a vertex over its difference to a check. Ratios are
+/// medians of presses beside much finer ones. The ratio was 1.4 of a linear organ, 0.9
+/// of a linear liver and 1.0 of a neo-Hookean gel (press_error_study, MEASURED.md).
 inline constexpr double kErrorPerCheck = 1.6;
 
 }  // namespace palpate

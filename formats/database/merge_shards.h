@@ -10,7 +10,7 @@ namespace palpate {
 
 /// What an undisturbed computation gives, to the bit, from files of write_shard; their
 /// order does not matter. @throws InputError in one sentence for a file that is no
-/// shard, shards of different computations, units that come twice or are missing;
+/// shard, shards of different computations, units that come twice or are missing.
 /// FormatError for a damaged shard; NumericalError as require_responses().
 /// @param stored as assemble()'s.
 [[nodiscard]] Assembly merge_shards(std::span<const std::filesystem::path> files,

@@ -17,8 +17,9 @@
 
 namespace palpate {
 
-/// Shares of the largest depth from which on errors between vertices are told: from the
-/// first what is stated at the nodes, from the others once for all places.
+/// Shares of the largest depth from which on errors between vertices are stated. Errors
+/// from the first share on are stated at the nodes, those from the others once for all
+/// places.
 inline constexpr std::array<double, 3> kErrorsFrom{kErrorCountsFrom, 0.25, 0.5};
 
 /// A tool's better solution at one place.

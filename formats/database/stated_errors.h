@@ -15,10 +15,11 @@ struct ErrorFactor {
   double covered = kErrorCoverage;  ///< [-] share of places that the checks cover
 };
 
-/// Where the path was hard to follow at a vertex, all nodes of its elements have a
-/// factor of their own, so that it is that of any place there: few are hard, and off by
-/// more. Each factor covers the places of its kind (calibrate_errors()); a place beside
-/// both kinds of nodes counts as easy, and is no worse covered.
+/// Where the load path at a vertex was near-singular, all nodes of its elements have a
+/// factor of their own. So that factor holds at any place there. Few paths are
+/// near-singular, and those are off by more. Each factor covers the places of its kind
+/// (calibrate_errors()); a place beside both kinds of nodes counts as easy, and is no
+/// worse covered.
 struct ErrorFactors {
   ErrorFactor easy;
   ErrorFactor hard;  ///< at least easy.factor
@@ -30,7 +31,7 @@ ErrorFactors state_errors(const SurfaceMesh& body, double budget,
                           std::span<const PlaceCheck> checks,
                           std::span<NodeResponse> responses);
 
-/// What is told of all places of a tool.
+/// What is stated of all places of a tool.
 [[nodiscard]] AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                              std::span<const PlaceCheck> checks);
 

@@ -1,5 +1,5 @@
-// How a tool's responses relax, read as a renderer needs it: what is the same for all
-// nodes at once, rows of nodes with their chunk.
+// How a tool's responses relax, read as a renderer needs it. What is the same for all
+// nodes is read at once, rows of nodes with their chunk.
 #pragma once
 
 #include <cstdint>

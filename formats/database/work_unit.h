@@ -1,5 +1,5 @@
-// Pieces of a response database on their way: what is computed one by one, kept across
-// kills, shared out among machines, and put together in the end.
+// Pieces of a response database on their way. Pieces are computed one by one, kept
+// across kills, shared out among machines, and put together in the end.
 //
 // A unit is a set of nodes that is solved as a whole and gives the same bits whoever
 // solves it. A plan knows all that does not depend on units. Both are CBOR (RFC 8949).
@@ -34,13 +34,13 @@ struct WorkUnitNode {
 };
 
 /// A response that breaks a rule (broken_rule) becomes that of a failed node, without a
-/// curve, and the failure says which; a node that failed without a curve is flagged.
+/// curve. The failure says which rule; a node that failed without a curve is flagged.
 void fail_if_broken(WorkUnitNode& node);
 
 struct WorkUnitOutcome {
   std::int64_t index = -1;
-  /// A better solution at one place of the surface, of each tool: it measures the error
-  /// of what the other units' answers make of that place.
+  /// A better solution at one place of the surface, of each tool. The solution measures
+  /// the error of what the other units' answers make of that place.
   bool is_check = false;
   std::vector<WorkUnitNode> node;
   /// Of a check: its triangle and area coordinates; triangle -1: at the vertex itself.
@@ -102,8 +102,9 @@ struct Assembly {
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
   double hard_error_factor = 0.0;  ///< [-] the same beside nodes with kHardPath
-  /// [-] The share of nodes that stated errors hold for, as the number of checks tells:
-  /// of tools the least, 0.95 at most; and of nodes with kHardPath.
+  /// [-] The share of nodes that stated errors hold for, as known from the number of
+  /// checks. Of tools the share is the least, 0.95 at most; and of nodes with
+  /// kHardPath.
   double error_covered = kErrorCoverage;
   double hard_error_covered = kErrorCoverage;
   std::int64_t checked_in_vain = 0;     ///< checks that failed: they count as misses
@@ -117,8 +118,8 @@ struct Assembly {
 [[nodiscard]] bool is_sound(const WorkUnitOutcome& unit);
 
 /// Forces [N] (k x 3) of the field that is rendered from a database, on its tool of
-/// that index at places [m] (k x 3) of its reference point: what checks between
-/// vertices are compared with (runtime/slow/static_field.h has it).
+/// that index. Places [m] (k x 3) are of the tool's reference point. Checks between
+/// vertices are compared with these forces (runtime/slow/static_field.h has them).
 using StoredForces = std::function<Points(const ResponseDatabase& database,
                                           std::size_t tool, const Points& position_m)>;
 

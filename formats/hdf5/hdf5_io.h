@@ -2,9 +2,9 @@
 // and a digest of everything that passes through. Beside this sub-room only the readers
 // of recordings and of afmformats files call HDF5's C interface.
 //
-// Hdf5Writer and Hdf5Reader have the same methods, so that one template states what a
-// file holds and in which order, for both (the reader is in hdf5_reader.h). Not
-// thread-safe, because the HDF5 library is not: Hdf5Lock.
+// Hdf5Writer and Hdf5Reader (hdf5_reader.h) have the same methods. So one template
+// states for both what a file holds and in which order. Not thread-safe, because the
+// HDF5 library is not: Hdf5Lock.
 #pragma once
 
 #include <concepts>

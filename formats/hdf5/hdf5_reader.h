@@ -174,7 +174,8 @@ class Hdf5Reader {
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
  private:
-  // Memory for what a file claims to hold: where there is none, the file is told of.
+  // Memory for what a file claims to hold: where there is none, the error names the
+  // file.
   template <typename Resize>
   void allocate(const std::string& path, const Hdf5Shape& shape, Resize resize) const {
     try {

@@ -1,9 +1,9 @@
 // Force curves in the HDF5 layout of the Python package afmformats.
 //
-// One group per curve, named by its number ("0", "1", ...); in it "force", "time"
-// (where there is one) and the position of the tip as datasets of doubles of one
-// length, each with the text attribute "unit". The position is "tip position", else
-// "height (measured)", else "height (piezo)"; of a height the tip's position is
+// One group per curve, named by its number ("0", "1", ...). In the group "force",
+// "time" (where there is one) and the position of the tip are datasets of doubles of
+// one length. Each has the text attribute "unit". The position is "tip position", else
+// "height (measured)", else "height (piezo)". Of a height the tip's position is
 // height + force / "spring constant" (attribute of the group, N/m). Heights fall while
 // the tip approaches, so that depth is minus the position.
 #pragma once
@@ -24,7 +24,7 @@ inline constexpr const char* kAfmPositions[] = {"tip position", "height (measure
 [[nodiscard]] std::vector<int> afm_curves(const std::filesystem::path& file);
 
 /// Curve `number`; depth grows during the approach. @throws InputError for a missing
-/// file, FormatError for a dataset that is missing, of another length or unit, or holds
+/// file. FormatError for a dataset that is missing, of another length or unit, or holds
 /// a value that is not finite.
 [[nodiscard]] MeasurementFile read_afm_curve(const std::filesystem::path& file,
                                              int number);

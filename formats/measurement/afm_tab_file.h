@@ -1,6 +1,6 @@
-// Tab-separated force curves of the Python package afmformats (".tab"): comment lines
-// with metadata as JSON between BEGIN METADATA and END METADATA, a comment line of
-// column names, rows in SI units; one curve a file.
+// Tab-separated force curves of the Python package afmformats (".tab"), one curve a
+// file. Comment lines hold metadata as JSON between BEGIN METADATA and END METADATA. A
+// comment line of column names follows, then rows in SI units.
 //
 // Columns and signs as in afm_file.h: depth is minus the position of the tip.
 #pragma once

@@ -1,6 +1,6 @@
-// Force curves of cantilevers as their instruments export them as text: JPK ("TEXT
-// EXPORT" with columns, units and spring constant in comments, a block a segment) and
-// NanoScope (names that end in Ex and Rt, approach and retract side by side).
+// Force curves of cantilevers as their instruments export them as text. JPK: "TEXT
+// EXPORT" with columns, units and spring constant in comments, a block a segment.
+// NanoScope: names that end in Ex and Rt, approach and retract side by side.
 //
 // Depth is what the cantilever's foot moves less its bending: minus height less force
 // over spring constant (JPK), ramp less deflection (NanoScope).

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// The only column of lengths is the depth, the only one of forces the force, both in
+/// The only column of lengths is the depth, the only one of forces the force. Both have
 /// the header's units, which may stand in a line of their own below the names. Several
-/// columns that tell the same are one: a gap beside a displacement, whose sum does not
-/// change, or a force in two units; one reading of 50 may be wild. Taken is one without
-/// wild readings, of these the first whose values move upwards from where they begin,
-/// and a note says so.
+/// columns that state the same are one: a gap beside a displacement, whose sum does not
+/// change, or a force in two units. One reading of 50 may be wild. Taken is a column
+/// without wild readings, of these the first whose values move upwards from where they
+/// begin; a note says so.
 /// @param file for messages. @param told columns with a name are kept, and units that
 /// are not empty. @param notes a clause for every choice among several; may be null.
 /// @throws InputError where there is none, or several that differ, naming those that

@@ -12,10 +12,10 @@ namespace palpate {
 
 /// A header such as "Load (N)", "Load [N]", "Load, N" or "load_N", taken apart.
 /// Anything in brackets at the end is a unit; after a comma or an underscore only a
-/// known one, and after an underscore minutes and upper case only beside a time's name
-/// ("Time_S"): "force_min" is a smallest force. As a last word a unit of one letter
-/// counts beside the name of a force or a time alone: "Load N", but not "Cycle N".
-/// Units may be spelled out: "Newtons".
+/// known unit is one. After an underscore minutes and upper case are units only beside
+/// a time's name ("Time_S"): "force_min" is a smallest force. As a last word a unit of
+/// one letter counts only beside the name of a force or a time. So it counts in "Load
+/// N", but not in "Cycle N". Units may be spelled out: "Newtons".
 struct ColumnName {
   std::string quantity;  ///< "Load"
   std::string unit;      ///< "N"; empty where the header states none
@@ -23,7 +23,7 @@ struct ColumnName {
 
 [[nodiscard]] ColumnName parse_column_name(std::string_view header);
 
-/// The unit as it is meant beside the name of a quantity: grams and kilograms (g, kg)
+/// The unit as it is meant beside the name of a quantity. Grams and kilograms (g, kg)
 /// of a force are gf and kgf; every other unit is itself.
 [[nodiscard]] std::string unit_beside(std::string_view quantity, std::string_view unit);
 

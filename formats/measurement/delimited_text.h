@@ -19,11 +19,11 @@ struct TextLine {
 /// Those of tables, in the order in which they are tried.
 inline constexpr std::array kDelimiters{'\t', ';', ',', ' '};
 
-/// The lines that carry something: blank lines and those that start with '#', or above
-/// all others with '%', are left out, a byte order mark and carriage returns taken off.
-/// Of comments above a first row that starts with a number the last is kept, without
-/// its '#': it may name the columns. A line that is no UTF-8 is taken as Latin-1 and
-/// given as UTF-8.
+/// The lines that carry something. Blank lines and those that start with '#', or above
+/// all others with '%', are left out. A byte order mark and carriage returns are taken
+/// off. Of comments above a first row that starts with a number the last is kept,
+/// without its '#': it may name the columns. A line that is no UTF-8 is taken as
+/// Latin-1 and given as UTF-8.
 /// @throws InputError if the file cannot be read, FormatError if it is not 8-bit text.
 [[nodiscard]] std::vector<TextLine> read_text_lines(const std::filesystem::path& file);
 

@@ -67,12 +67,13 @@ constexpr std::size_t kInstrumentHead = 1 << 16;  ///< bytes
 /// "2 (Stress Relaxation, line 2751), 3 (...)": at most a dozen of them.
 [[nodiscard]] std::string name_curves(std::span<const InstrumentCurve> curves);
 
-/// A curve's columns: what is told, else the layout's choice.
+/// A curve's columns: what is stated, else the layout's choice.
 [[nodiscard]] MeasurementColumns told_columns(const InstrumentCurve& curve,
                                               const InstrumentRequest& request);
 
 /// Samples at the start in which the depth is 0 to the last bit while the force is not
-/// still: a depth that was set to 0 before contact. 0 where they are fewer than 8.
+/// still. The depth of these samples was set to 0 before contact. 0 where the samples
+/// are fewer than 8.
 [[nodiscard]] std::size_t clipped_samples(const Measurement& samples);
 
 }  // namespace palpate

@@ -2,8 +2,8 @@
 // .jpk-qi-data, .jpk-qi-series; zip archives of headers and raw channels.
 //
 // A map's curves have the file's own numbers, from 0. Segments follow one another:
-// approach, pause, retraction. Force is vDeflection in its slot "force"; depth is minus
-// the position of the tip, the height plus the bending, which is vDeflection in its
+// approach, pause, retraction. Force is vDeflection in its slot "force". Depth is minus
+// the position of the tip: the height plus the bending, which is vDeflection in its
 // slot "distance". The height is the first of measuredHeight, capacitiveSensorHeight,
 // strainGaugeHeight and height that the file has.
 #pragma once

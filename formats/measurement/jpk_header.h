@@ -24,8 +24,8 @@ struct JpkScaling {
   std::string unit;
 };
 
-/// From the stored numbers of a channel to one of its calibration slots: the encoder's
-/// scaling, then those of the slots between the base and `slot`.
+/// From the stored numbers of a channel to one of its calibration slots. The encoder's
+/// scaling comes first, then those of the slots between the base and `slot`.
 /// @param slot empty: the default one
 /// @throws FormatError naming the key that is missing, and for a slot that the file
 /// does not define: the channel is not calibrated.

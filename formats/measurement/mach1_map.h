@@ -1,7 +1,7 @@
-// Table of points that goes with the presses of a Biomomentum Mach-1 mapping (".map"):
-// six lines of information, the same in every column, then a line of names
-//   PixelX PixelY PointID PointType Sub-SurfaceID [ScanX(mm) ScanY(mm)] ...
-// and rows between tabs. PointType 0 is a point that was pressed, 1 of a border, 2 a
+// Table of points that goes with the presses of a Biomomentum Mach-1 mapping (".map").
+// Six lines of information come first, the same in every column. A line of names
+// follows: PixelX PixelY PointID PointType Sub-SurfaceID [ScanX(mm) ScanY(mm)] ... Then
+// come rows between tabs. PointType 0 is a point that was pressed, 1 of a border, 2 a
 // reference.
 #pragma once
 
@@ -23,8 +23,8 @@ struct MapPoint {
 [[nodiscard]] bool is_mach1_map(std::span<const TextLine> lines);
 
 /// The points that were pressed, in the file's order.
-/// @throws FormatError naming line and column of a bad cell, for an id that comes
-/// twice, and for a map in pixels alone, whose scale nobody knows.
+/// @throws FormatError naming line and column of a bad cell, and for an id that comes
+/// twice. FormatError too for a map in pixels alone, whose scale nobody knows.
 [[nodiscard]] std::vector<MapPoint> read_mach1_map(const std::string& file,
                                                    std::span<const TextLine> lines);
 

@@ -2,9 +2,9 @@
 // Exponent of the TA.XT, CellScale; and every other text of names, units and numbers.
 //
 // A file may hold several tables, each below names and units of its own ("Results Table
-// 1"); those with a length and a force are presses, and where some of them have times,
-// these alone: a table of results has none. Columns of one name side by side are
-// presses in turn.
+// 1"). Tables with a length and a force are presses. Where some of them have times,
+// these alone are presses: a table of results has no times. Columns of one name side by
+// side are presses in turn.
 #pragma once
 
 #include "formats/measurement/delimited_text.h"
@@ -20,8 +20,8 @@ namespace palpate {
                                                  const InstrumentCurve& curve,
                                                  const InstrumentRequest& request);
 
-/// The presses among lines: curves with `begin` and `end` as places in `lines`, all of
-/// them in one curve where no table tells a length and a force.
+/// The presses among lines: curves with `begin` and `end` as places in `lines`. All
+/// lines are one curve where no table has a length and a force.
 [[nodiscard]] std::vector<InstrumentCurve> tables_in(std::span<const TextLine> lines);
 
 /// A curve of tables_in().

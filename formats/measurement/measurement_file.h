@@ -1,9 +1,9 @@
 // Reads a measured force-displacement curve from delimited text.
 //
 // Taken as they come: comma, tab or semicolon between cells; decimal commas where the
-// comma does not separate cells; '#' comments; free lines before the line of column
-// names; a line of units below it; rows in which all cells asked for are empty (columns
-// of unequal length side by side).
+// comma does not separate cells; '#' comments. Taken, too, are free lines before the
+// line of column names, and a line of units below the names. Taken, too, are rows in
+// which all cells asked for are empty (columns of unequal length side by side).
 #pragma once
 
 #include <filesystem>
@@ -44,10 +44,10 @@ struct MeasurementFile {
 
 /// A column's name is matched exactly, else without regard to case, else also without
 /// the header's unit ("Load (N)", "Load [N]", "load_N" for "load"). Signs are kept.
-/// @throws InputError for a missing file, an unknown unit, an unknown or ambiguous
-/// column (naming those there are, nearest first), a unit that the header contradicts,
-/// or that it does not state, no rows; FormatError naming line and column of a cell
-/// that is not a finite number.
+/// @throws InputError for a missing file, an unknown unit, or an unknown or ambiguous
+/// column (naming those there are, nearest first). InputError too for a unit that the
+/// header contradicts, or that it does not state, and for no rows. FormatError naming
+/// line and column of a cell that is not a finite number.
 [[nodiscard]] MeasurementFile read_measurement(
     const std::filesystem::path& file, const MeasurementColumns& columns,
     HeaderUnits header_units = HeaderUnits::kMustAgree);

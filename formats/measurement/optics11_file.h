@@ -1,10 +1,10 @@
-// Text of an Optics11 Piuma or Chiaro nanoindenter: a head of key<tab>value, then
+// Text of an Optics11 Piuma or Chiaro nanoindenter, one press a file: approach and
+// retraction in turn. A head of key<tab>value stands first, then the columns
 //   Time (s)  Load (uN)  Indentation (nm)  Cantilever (nm)  Piezo (nm)  Auxiliary
-// approach and retraction in turn, one press a file.
 //
 // Depth is Piezo less Cantilever: the column Indentation stands at 0 before contact,
 // where a fit needs the free way. The radius of the tip, the spring constant and the
-// stage's X and Y are taken from the head; z is 0, the plane of the stage.
+// stage's X and Y are taken from the head. z is 0, the plane of the stage.
 #pragma once
 
 #include "formats/measurement/instrument_file.h"
@@ -15,7 +15,7 @@ namespace palpate {
                                std::string_view head);
 [[nodiscard]] InstrumentFile list_optics11(const std::filesystem::path& file);
 
-/// @throws InputError for a told depth that is clipped before contact.
+/// @throws InputError for a stated depth that is clipped before contact.
 [[nodiscard]] MeasurementFile read_optics11(const std::filesystem::path& file,
                                             const InstrumentCurve& curve,
                                             const InstrumentRequest& request);

@@ -1,11 +1,11 @@
 // Forces of a body under one tool for a grid of material parameters: what measured
 // curves are compared with to find the material.
 //
-// As a file: delimited text. Line 1 "# palpate response sweep 1"; where the forces' own
-// error is known, line 2 "# error_relative " and it; a line of names
-// "vertex,<parameter>,...,depth_m,force_n"; a row per vertex, combination and depth, in
-// this order, the last parameter fastest. Depth counts from the first touch along the
-// tool's way, force is that on the tool along it.
+// As a file: delimited text. Line 1 is "# palpate response sweep 1"; where the forces'
+// own error is known, line 2 is "# error_relative " and the error. A line of names
+// "vertex,<parameter>,...,depth_m,force_n" follows. Then comes a row per vertex,
+// combination and depth, in this order, the last parameter fastest. Depth counts from
+// the first touch along the tool's way, force is that on the tool along it.
 #pragma once
 
 #include <cstddef>

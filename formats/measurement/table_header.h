@@ -20,15 +20,15 @@ struct TableHeader {
   std::vector<std::string> unit;  ///< as many as names, empty where none is stated
 };
 
-/// Whether a line holds two numbers or more and is no part of a header: does not state
-/// two units itself, and does not stand above a line of units. Numbers beside names and
-/// units belong to somebody's calculations in the same sheet.
+/// Whether a line holds two numbers or more and is no part of a header. A line of a
+/// header states two units itself, or stands above a line of units. Numbers beside
+/// names and units belong to somebody's calculations in the same sheet.
 [[nodiscard]] bool is_number_row(std::span<const TextLine> lines, std::size_t row,
                                  char delimiter);
 
-/// What stands above the first row of numbers, `begin` at the earliest; the line before
-/// it is one of names where it has as many cells. Units stand in the names, or in a
-/// line of their own between names and numbers.
+/// What stands above the first row of numbers, `begin` at the earliest. The line before
+/// that row is one of names where it has as many cells. Units stand in the names, or in
+/// a line of their own between names and numbers.
 [[nodiscard]] std::optional<TableHeader> find_header(std::span<const TextLine> lines,
                                                      char delimiter,
                                                      std::size_t begin = 0);

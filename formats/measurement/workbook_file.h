@@ -1,4 +1,4 @@
-// Workbooks (.xlsx, Office Open XML, ECMA-376): the tables of all sheets, as
+// Workbooks (.xlsx, Office Open XML, ECMA-376). The tables of all sheets, as
 // machine_table.h finds them in text; a row is a line, a cell a cell.
 #pragma once
 

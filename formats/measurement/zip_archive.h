@@ -35,8 +35,9 @@ class ZipArchive {
 
 constexpr std::size_t kZipEntryMax = std::size_t{1} << 30;  ///< bytes, unpacked
 
-/// The archive, kept open by this thread until it asks for another one or the file has
-/// changed: a map of thousands of curves is listed once. As the constructor throws.
+/// The archive, kept open by this thread until the thread asks for another one or the
+/// file has changed. So a map of thousands of curves is listed once. As the constructor
+/// throws.
 [[nodiscard]] const ZipArchive& open_archive(const std::filesystem::path& file);
 
 /// Whether the bytes begin as a zip archive does.

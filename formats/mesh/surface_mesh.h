@@ -19,9 +19,10 @@ struct SurfaceMesh {
       triangle;  ///< (n_triangles x 3) vertex indices, counter-clockwise from outside
 };
 
-/// Outward unit normals at the vertices, weighted by the angle of each triangle's
-/// corner (Thurmer and Wuthrich 1998), so that they do not depend on the triangulation.
-/// (n_vertices x 3); zero where a vertex has no triangle of positive area.
+/// Outward unit normals at the vertices. Each triangle's normal is weighted by the
+/// angle of its corner (Thurmer and Wuthrich 1998). So the vertex normals do not depend
+/// on the triangulation. (n_vertices x 3); zero where a vertex has no triangle of
+/// positive area.
 [[nodiscard]] Points vertex_normals(const SurfaceMesh& mesh);
 
 /// Volume that a closed surface encloses [m^3]; negative if it is inside out.

@@ -133,8 +133,8 @@ struct RecordingEnd {
   std::string fault = "none";
 };
 
-/// Of a recording of several contacts by a program of before: times as they were
-/// counted, and no elements, which the slow process had answered by so many ticks.
+/// Of a recording of several contacts by a program of before. Times are as they were
+/// counted. Elements are missing; the slow process had answered them by so many ticks.
 struct OldContactRun {
   std::vector<double> time_s;     ///< rising, a row a tick
   std::int64_t answer_ticks = 0;  ///< >= 1 from one slow update to the next

@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-/// Writes beside the target, as "<target>.partial", block by block; finish() closes it
-/// and renames it over the target, so that the target is always a whole recording.
-/// After a crash or SIGKILL the partial file can be read up to its last whole block of
-/// ticks: each is in the kernel's hands when append() returns, after all arrivals that
-/// were appended before, and HDF5's single-writer mode keeps what leads to them in
-/// order. (After a power failure only what the kernel had written.) One thread;
-/// excludes other use of HDF5 by Hdf5Lock.
+/// Writes beside the target, as "<target>.partial", block by block. finish() closes the
+/// partial file and renames it over the target, so that the target is always a whole
+/// recording. After a crash or SIGKILL the partial file can be read up to its last
+/// whole block of ticks. Each block is in the kernel's hands when append() returns,
+/// after all arrivals that were appended before. HDF5's single-writer mode keeps what
+/// leads to the blocks in order. (After a power failure only what the kernel had
+/// written.) One thread; excludes other use of HDF5 by Hdf5Lock.
 class RecordingWriter {
  public:
   /// @throws InputError if the place cannot be written.

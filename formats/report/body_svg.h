@@ -32,8 +32,8 @@ struct View {
   }
 };
 
-/// A three-quarter view from above (z up) that fits the body into the panel, from the
-/// side that shows most of the surface that has responses.
+/// A three-quarter view from above (z up) that fits the body into the panel. The view
+/// is from the side that shows most of the surface that has responses.
 [[nodiscard]] View choose_view(const SurfaceMesh& body, const SurfaceMap& map,
                                const Panel& panel);
 

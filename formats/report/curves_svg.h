@@ -17,9 +17,9 @@ struct ShownCurve {
   bool hidden = false;  ///< turned away from the viewer
 };
 
-/// Nodes of the lowest, median and highest value and the quartiles between them, the
-/// inner ones turned to the viewer where a node within 4 % of the rank is; fewer if the
-/// table has fewer responses.
+/// Nodes of the lowest, median and highest value and the quartiles between them. The
+/// inner ones are nodes turned to the viewer, where such a node is within 4 % of the
+/// rank. The nodes are fewer if the table has fewer responses.
 [[nodiscard]] std::vector<ShownCurve> choose_curves(const SurfaceMap& map,
                                                     const Points& normal,
                                                     const View& view);

@@ -12,7 +12,7 @@ namespace palpate {
 constexpr std::int64_t kReportNodes = 12000;
 
 /// The body, turnable and coloured by stiffness at a depth, largest slope and depth,
-/// errors or origin; a histogram of stiffness; the curve of a chosen node; tools,
+/// errors or origin. A histogram of stiffness; the curve of a chosen node; tools,
 /// accuracy and provenance. Curves are the database's own, in single precision. A body
 /// of more nodes is thinned (thin_body), which the page says. The page asks for nothing
 /// from elsewhere, and forbids itself to. @param name of the file, for the title.

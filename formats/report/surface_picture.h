@@ -17,9 +17,9 @@ constexpr std::array<std::string_view, 5> kShownNames{"stiffness", "relaxation",
                                                       "dents", "softening"};
 
 /// A self-contained SVG, 1200 x 600 px: the body coloured, with colour bar and scale
-/// bar, and a plot of some nodes from the lowest to the highest value: of stiffness
-/// their responses, and where they yield, else what stays of a force that is held.
-/// Equal input gives equal text.
+/// bar, and a plot of some nodes. The nodes are from the lowest to the highest value.
+/// The plot shows the nodes' responses for stiffness and for yielding, else what stays
+/// of a force that is held. Equal input gives equal text.
 /// @param table one of the database's tools.
 /// @throws InputError for maps of relaxation or yielding of a tool without.
 [[nodiscard]] std::string surface_picture(const ResponseDatabase& database,

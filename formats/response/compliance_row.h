@@ -1,22 +1,23 @@
-// How far a body gives way at one contact for a force at another, from a row of numbers
-// over the distance between them: header only, no allocation, for the fast step too.
+// How far a body's surface moves at one contact for a force at another. A row of
+// numbers over the distance between the contacts states it. Header only, no allocation,
+// for the fast step too.
 //
-// The row of a place holds v_k = c(r_k) r_k [m^2/N] at K knots r_k, evenly spaced in
-// ln r; c(r) [m/N] is the inward normal displacement at distance r for 1 N there. Two
+// The row of a place holds v_k = c(r_k) r_k [m^2/N] at K knots r_k, evenly spaced in ln
+// r. c(r) [m/N] is the inward normal displacement at distance r for 1 N there. Two
 // contacts i and j at distance r couple by
 //
 //   C_ij = (c_i(r) + c_j(r)) / 2 + sum_m s_m b_im b_jm,
 //
 // b_m [m^1/2 N^-1/2] modes by which parts of the body move as a whole, whatever the
-// distance (a lobe that tilts); s_m = 1 for the first of them, -1 for the others.
+// distance (a lobe that tilts). s_m = 1 for the first mode, -1 for the others.
 //
-// Between knots v is the cubic in ln r through them with slopes (v_{k+1} - v_{k-1}) / 2
-// a step (Catmull-Rom), at the first knot v_1 - v_0, at the last 0. So c has a
-// continuous slope, and is linear in the row: rows that are blended over a triangle
-// give blended compliances. Beyond the last knot v is constant, c falls as 1/r. Below
-// the first one c = c_0 + c_0' (r^2 - r_0^2) / (2 r_0): value and slope go on, and the
-// slope is 0 where two contacts coincide. On a half-space, v constant, it rises to 1.5
-// c_0.
+// Between knots v is the cubic in ln r through the knots (Catmull-Rom). The cubic's
+// slopes are (v_{k+1} - v_{k-1}) / 2 a step, at the first knot v_1 - v_0, at the
+// last 0. So c has a continuous slope, and is linear in the row: rows that are blended
+// over a triangle give blended compliances. Beyond the last knot v is constant, c falls
+// as 1/r. Below the first one c = c_0 + c_0' (r^2 - r_0^2) / (2 r_0): value and slope
+// go on, and the slope is 0 where two contacts coincide. On a half-space, v constant,
+// it rises to 1.5 c_0.
 #pragma once
 
 #include <algorithm>
@@ -65,7 +66,7 @@ struct ComplianceWeights {
   }
 };
 
-/// ln x, to a relative 4.5e-16 or to 1e-16, whichever is more; by operations that round
+/// ln x, to a relative 4.5e-16 or to 1e-16, whichever is more. The operations round
 /// alike on every processor, which the C library's logarithm does not. @param x [-] > 0
 /// and not denormal; what is not finite gives itself.
 [[nodiscard]] inline double arithmetic_log(double x) noexcept {

@@ -19,7 +19,7 @@ struct ComplianceTable {
   RowsOf<float> mode = {};       ///< (n x M) [m^1/2 N^-1/2] M at most 16; or empty
   std::int64_t added_modes = 0;  ///< the first of M, [0, M]; the others subtract
   /// [-] 95 % of sets of contacts have every force within this share of the largest of
-  /// the set, measured at sets that were solved jointly; 0: not known.
+  /// the set. Measured at sets that were solved jointly; 0: not known.
   double error_relative = 0.0;
   /// Every set of contacts that was tried at the table's distances has one equilibrium.
   bool convex = false;
@@ -40,7 +40,8 @@ struct ComplianceTable {
 [[nodiscard]] ComplianceKnots knots_of(const ComplianceTable& table);
 
 /// Largest difference of two tables at the first's distances, over the first's largest
-/// number [-]; 1 where one of them is empty or has other nodes or modes.
+/// number [-]. The result is 1 where one of the tables is empty or has other nodes or
+/// modes.
 [[nodiscard]] double relative_difference(const ComplianceTable& a,
                                          const ComplianceTable& b);
 

@@ -2,8 +2,9 @@
 // responses for each radius that occurs.
 //
 // The table of the tool itself answers its first sphere's radius. A tool NAME whose set
-// has m radii has m - 1 tables more, of spheres named NAME.2 to NAME.m with the other
-// radii in the order in which they occur; they have no set of their own.
+// has m radii has m - 1 tables more, of spheres named NAME.2 to NAME.m. These spheres
+// have the other radii in the order in which the radii occur; they have no set of their
+// own.
 #pragma once
 
 #include <string>

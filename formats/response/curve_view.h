@@ -1,4 +1,4 @@
-// Evaluation of a stored force-deflection curve: header only, no allocation, so that
+// Evaluation of a stored force-deflection curve. Header only, no allocation, so that
 // the fast step, the tools and the tests evaluate by the same few lines.
 #pragma once
 
@@ -19,12 +19,12 @@ struct BasicResponseSample {
 
 /// A C1 piecewise cubic through samples that somebody else owns.
 ///
-/// On the interval [d_i, d_{i+1}] of width h, with t = (d - d_i)/h, f is the cubic
-/// Hermite polynomial of f_i, f_{i+1} and the slopes m_i, m_{i+1}; the energy is the
+/// The interval [d_i, d_{i+1}] has width h, and t = (d - d_i)/h. There f is the cubic
+/// Hermite polynomial of f_i, f_{i+1} and the slopes m_i, m_{i+1}. The energy is the
 /// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0.
-/// Beyond the last depth linear with the slope max(0, m) of the last sample: a curve
-/// that falls at its end holds its force, because going on it would pull the tool in,
-/// with an energy below zero. An empty view is a response of zero.
+/// Beyond the last depth the curve is linear with the slope max(0, m) of the last
+/// sample. A curve that falls at its end holds its force: going on falling would pull
+/// the tool in, with an energy below zero. An empty view is a response of zero.
 template <typename Scalar>
 struct BasicCurveView {
   std::span<const Scalar> depth_m;            ///< (n) [m] from 0, strictly increasing

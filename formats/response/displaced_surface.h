@@ -1,4 +1,4 @@
-// How the surface gives way, for drawing: of stored displacement fields.
+// How the surface deforms, for drawing: of stored displacement fields.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ struct PressedField {
   double depth_m = 0.0;   ///< [m]
 };
 
-/// Displacements of all vertices (n x 3) [m], added up: of rows j with depths a_j,
-/// basis sum_j a_j / depth_m[j] coefficient.row(j)^T, in double precision (singles of a
-/// foreign file may overflow). Empty where no field is stored at all.
+/// Displacements of all vertices (n x 3) [m], added up. Rows j with depths a_j give
+/// basis sum_j a_j / depth_m[j] coefficient.row(j)^T. The sum is in double precision
+/// (singles of a foreign file may overflow). Empty where no field is stored at all.
 [[nodiscard]] Points displaced_m(const DisplacementField& field,
                                  std::span<const PressedField> pressed);
 

@@ -28,9 +28,9 @@ struct PlacedCurve {
   std::optional<TiltLine> tilt = {};
   std::span<const double> sample_direction = {};  ///< (3 k) [-] or empty
 
-  /// [-] Unit vector at a normal penetration, as a hand gets it: n + theta of the tilt;
-  /// without one that of the samples, linear between them and renormalised; without
-  /// those, u.
+  /// [-] Unit vector at a normal penetration, as a hand gets it: n + theta of the tilt.
+  /// Without a tilt the vector is that of the samples, linear between samples and
+  /// renormalised; without those, u.
   [[nodiscard]] Eigen::Vector3d direction_at(double penetration_m) const noexcept;
 
   /// [N] at a normal penetration; zero before the first touch.
@@ -49,8 +49,8 @@ struct PlacedCurve {
 [[nodiscard]] PlacedCurve placed_curve(const ResponseTable& table, std::int64_t node,
                                        const Eigen::Vector3d& outward);
 
-/// From this share of the largest depth on errors of forces count, and to this share of
-/// the largest force they are relative, where the force is smaller.
+/// Errors of forces count from this share of the largest depth on. Where the force is
+/// smaller than this share of the largest force, errors are relative to that share.
 inline constexpr double kErrorCountsFrom = 0.1;
 
 /// Normal penetrations [m] at which a force is compared with a reference: evenly from a
@@ -58,9 +58,10 @@ inline constexpr double kErrorCountsFrom = 0.1;
 [[nodiscard]] std::vector<double> compared_depths_m(double end_m,
                                                     const PlacedCurve& reference);
 
-/// What `error_relative` bounds: the largest difference |F - F'| of the force vectors
-/// over all depths from a tenth of the largest penetration on that both reach, relative
-/// to the reference's force there or to a tenth of its largest, whichever is more.
+/// What `error_relative` bounds: the largest difference |F - F'| of the force vectors.
+/// Depths count from a tenth of the largest penetration on that both reach. The
+/// difference is relative to the reference's force there or to a tenth of its largest,
+/// whichever is more.
 /// @param depth_m (k) [m] of compared_depths_m(). @param force_n (k x 3) [N] there.
 [[nodiscard]] double force_difference(std::span<const double> depth_m,
                                       const Points& force_n,

@@ -2,9 +2,9 @@
 // apart.
 //
 // Memory at every node of a finer mesh lets a sliding tool outrun its own footprint;
-// memory that is coarser drags the dent along. Against boundary elements of a linear
-// viscoelastic half-space, normal forces are right within 1 to 3.5 % at two contact
-// radii, and within 6 to 13 % at 0.7 to 1.
+// memory that is coarser drags the dent along. The comparison is with boundary elements
+// of a linear viscoelastic half-space. Normal forces are right within 1 to 3.5 % at two
+// contact radii, and within 6 to 13 % at 0.7 to 1.
 #pragma once
 
 #include <vector>
@@ -19,10 +19,11 @@ namespace palpate {
 constexpr double kFinestSites = 1.5;
 constexpr double kCoarsestSites = 2.5;
 
-/// Radius of the contact of a tool pressed to a depth, on a flat body [m] > 0: sqrt(R
-/// d) of a sphere (Hertz), the punch's own, 2 d tan(half-angle) / pi of a cone
-/// (Sneddon), a capsule's width; of a mesh, of the sphere that bounds its lower end as
-/// well.
+/// Radius of the contact of a tool pressed to a depth, on a flat body [m] > 0. Of a
+/// sphere the radius is sqrt(R d) (Hertz), of a capsule the half width of the contact,
+/// of a punch the punch's own radius. Of a cone the radius is 2 d tan(half-angle) / pi
+/// (Sneddon). Of a mesh the radius is that of the sphere that bounds the mesh's lower
+/// end as well.
 /// @param depth_m [m] > 0
 [[nodiscard]] double contact_radius_m(const ToolShape& tool, double depth_m);
 
@@ -32,10 +33,11 @@ constexpr double kCoarsestSites = 2.5;
 [[nodiscard]] double site_spacing_m(const ToolShape& tool, double depth_max_m);
 
 /// A subset of some nodes, each the farthest from those before it that the surface
-/// leads to, until none is farther than three quarters of the spacing: neighbouring
-/// ones lie about the spacing apart. Where the mesh is coarser all of them are sites. A
-/// node reads the corners of the triangle of sites around it (Delaunay's in the tangent
-/// plane) by its area coordinates; at a border the two nearest or the nearest.
+/// leads to. The subset ends where no node is farther than three quarters of the
+/// spacing. Neighbouring sites lie about the spacing apart. Where the mesh is coarser
+/// all of them are sites. A node reads the corners of the triangle of sites around it
+/// (Delaunay's in the tangent plane) by its area coordinates. At a border the node
+/// reads the two nearest sites or the nearest.
 /// @param normal  (n x 3) [-] outward.
 /// @param remembers (n) whether the node has a response; others have no sites.
 /// @param spacing_m [m] > 0

@@ -32,9 +32,9 @@ struct OwnedCurve {
   }
 };
 
-/// The instantaneous response at the depths of a press's curve: forces by the recursion
-/// above in steps between the samples, slopes f' + sum g_k (p - q_k) / (tau_k v),
-/// limited so that the cubics do not overshoot.
+/// The instantaneous response at the depths of a press's curve. Forces follow by the
+/// recursion above in steps between the samples. Slopes are f' + sum g_k (p - q_k) /
+/// (tau_k v), limited so that the cubics do not overshoot.
 /// @param g     (K) [-] >= 0, sum at most 1.
 /// @param tau_s (K) [s] > 0.
 /// @param speed_m_per_s [m/s] > 0.
@@ -53,8 +53,8 @@ struct OwnedCurve {
 /// changes where they are instantaneous or static.
 void make_instantaneous(ResponseTable& table);
 
-/// What the largest slope of the instantaneous curve is at most, over that of the
-/// press's: 1 / (1 - sum g), infinite where all of the force relaxes.
+/// Upper bound of the largest slope of the instantaneous curve, over that of the
+/// press's. The bound is 1 / (1 - sum g), infinite where all of the force relaxes.
 [[nodiscard]] double stiffness_factor(const Viscoelasticity& relaxation);
 
 }  // namespace palpate

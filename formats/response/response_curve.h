@@ -20,10 +20,10 @@ namespace palpate {
 /// Shape-preserving C1 piecewise cubic through (depth, force) samples.
 ///
 /// Slopes at inner samples are weighted harmonic means of the secants (Fritsch &
-/// Butland 1984), at the ends one-sided three-point slopes, limited to [0, 3 secant]
-/// (Fritsch & Carlson 1980), so f rises wherever the samples rise and never overshoots.
-/// CurveView evaluates it; E' = f holds to rounding, which the passivity ledger relies
-/// on.
+/// Butland 1984), at the ends one-sided three-point slopes. All slopes are limited to
+/// [0, 3 secant] (Fritsch & Carlson 1980), so f rises wherever the samples rise and
+/// never overshoots. CurveView evaluates it; E' = f holds to rounding, which the
+/// passivity ledger relies on.
 class ResponseCurve {
  public:
   /// @param depth_m  (n) [m], n >= 2, depth_m[0] = 0, strictly increasing, finite.

@@ -43,8 +43,8 @@ enum ResponseFlag : std::uint8_t {
   kFailed = 16,          ///< the solve failed: no curve
   kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
   kTruncatedPath = 64,   ///< ends early: solve stopped, or tool at a support
-  /// The nonlinear path was hard to follow: a step was cut, the contact stiffened, or
-  /// the body was about to give way. Other equilibria may lie near.
+  /// A near-singular load path of the nonlinear solve: a step was cut, the contact
+  /// stiffened, or the body was about to give way. Other equilibria may lie near.
   kHardPath = 128,
 };
 constexpr std::uint8_t kAllResponseFlags = 255;
@@ -94,8 +94,8 @@ struct AccuracyRecord {
   std::vector<double> covering_relative = {};
 };
 
-/// Displacement of the surface under the tool, for drawing: at solved node node[j], at
-/// normal penetration depth_m[j], vertex i moves by rows 3 i to 3 i + 2 of
+/// Displacement of the surface under the tool, for drawing, at solved node node[j] and
+/// normal penetration depth_m[j]. There vertex i moves by rows 3 i to 3 i + 2 of
 /// basis * coefficient.row(j)^T [m]. Single precision; empty without rows.
 struct DisplacementField {
   RowMajorMatrixF basis;           ///< (3 n x m) [-] modes, x y z of a vertex in turn

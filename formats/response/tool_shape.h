@@ -28,9 +28,10 @@ struct ContactSet {
 };
 
 /// What touches the body: rigid, convex, in its own frame with +z from tip to handle.
-/// Its pose is its reference point, the frame's origin: a sphere's centre, the centre
-/// of a punch's flat face, the tip of a (rounded) cone, the centre of a capsule's
-/// lower hemisphere, a mesh's own origin. Lengths that a kind does not have are 0.
+/// Its pose is its reference point, the frame's origin. The origin is a sphere's
+/// centre, the centre of a punch's flat face or the tip of a (rounded) cone. Of a
+/// capsule the origin is the centre of the lower hemisphere, of a mesh the mesh's own
+/// origin. Lengths that a kind does not have are 0.
 struct ToolShape {
   std::string name;             ///< as the scene names it
   std::string kind = "sphere";  ///< one of kToolKinds

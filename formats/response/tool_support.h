@@ -1,5 +1,5 @@
-// How high a tool's reference point stands over a flat surface that the tool touches:
-// what stands for a sphere's radius where the tool is another.
+// How high a tool's reference point stands over a flat surface that the tool touches.
+// The height stands for a sphere's radius where the tool is another.
 //
 // A response is taken with the reference point at v + (S - delta) n_out, with
 //

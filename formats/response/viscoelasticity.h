@@ -70,8 +70,8 @@ struct Viscoelasticity {
   double speed_m_per_s = 0.0;      ///< [m/s] > 0 unless instantaneous
   std::vector<double> tau_s = {};  ///< (K) [s] > 0, increasing; K at most kMostTerms
   RowsOf<float> g = {};            ///< (1 or n x K) [-] >= 0, row sums at most 1
-  /// (1 or n) over the force at the start: rms of the fit, or of measured fields the
-  /// standard deviation of the force that is gone while held; empty: not known
+  /// (1 or n) over the force at the start: rms of the fit. Of measured fields the error
+  /// is the standard deviation of the force that is gone while held. Empty: not known.
   std::vector<float> error_relative = {};
   MemorySites sites = {};                   ///< empty: every node is a site
   std::vector<double> bundle_depth_m = {};  ///< [m] cuts of every curve; none: one part

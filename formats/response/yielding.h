@@ -36,9 +36,9 @@ struct NodeYielding {
 /// omega(m) [-]. @param deepest_m [m] m.
 [[nodiscard]] double softened_share(const NodeYielding& node, double deepest_m);
 
-/// Undamaged curve of a node's response: f / (1 - omega) and its slopes at the samples
-/// and at others between them, so many as fit an element message. At samples
-/// (1 - omega) of it is f to rounding; between them as near as its cubics are.
+/// Undamaged curve of a node's response. The curve has f / (1 - omega) and its slopes
+/// at the samples and at others between them, so many as fit an element message. At
+/// samples (1 - omega) of it is f to rounding; between them as near as its cubics are.
 [[nodiscard]] OwnedCurve undamaged_curve(const CurveView& first_press,
                                          const NodeYielding& node);
 

@@ -1,5 +1,5 @@
-// A scene: the body, what is in it and what it is made of, where it is held, who
-// presses it and how far, and how exactly that is wanted.
+// A scene: the body, what is in it and what it is made of, and where it is held. A
+// scene also states who presses the body and how far, and how exactly that is wanted.
 #pragma once
 
 #include <filesystem>
@@ -138,12 +138,12 @@ struct SceneAccuracy {
   int bundles = 1;  ///< [-] [1, 8] parts of a relaxing curve
 };
 
-/// Every node is answered by a part of the body around it, cut out of the body's tets,
-/// so that the work of a node does not grow with the body.
+/// Every node is answered by a part of the body around it, cut out of the body's tets.
+/// So the work of a node does not grow with the body.
 struct SceneCutout {
   double radius_m = 0.0;            ///< [m] (0, inf) from the node to the cut
   std::string exterior = "coarse";  ///< what the cut stands on: coarse or clamped
-  /// [m] (0, inf) edges of the coarse body that tells how far the cut gives way.
+  /// [m] (0, inf) edges of the coarse body that determines how far the cut deforms.
   double coarse_edge_m = 0.0;
 };
 
@@ -178,8 +178,8 @@ struct Scene {
 
 /// Reads and checks a scene file (TOML). Relative mesh paths are taken from the scene
 /// file's folder. @throws InputError "scene.toml:12: ..." naming the key, its value and
-/// what is allowed; for an unknown key, the nearest known one; for a key that does not
-/// belong to a law or shape, those that do.
+/// what is allowed. For an unknown key the error names the nearest known one. For a key
+/// that does not belong to a law or shape, the error names those that do.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file);
 
 }  // namespace palpate

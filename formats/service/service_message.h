@@ -31,7 +31,8 @@ struct ServedScene {
   std::vector<std::int32_t> reachable;  ///< vertices that get a response, ascending
   std::string output;      ///< absolute path of the database when all is done
   bool nonlinear = false;  ///< good answers are: cheap ones know small strains alone
-  /// [Pa] >= 0 E / (1 - nu^2) of the body's own material at small strain; 0: not told.
+  /// [Pa] >= 0 E / (1 - nu^2) of the body's own material at small strain; 0: not
+  /// stated.
   double modulus_pa = 0.0;
 };
 
@@ -69,14 +70,14 @@ struct HandPlace {
 using ServiceMessage =
     std::variant<ServedScene, ServedResponses, ServedProgress, ServedEnd, HandPlace>;
 
-/// A message as the frame that goes over the socket: 4 bytes "PLPS", length of the rest
-/// as 4 bytes, little endian, then CBOR (RFC 8949).
+/// A message as the frame that goes over the socket. The frame has 4 bytes "PLPS", the
+/// length of the rest as 4 bytes, little endian, then CBOR (RFC 8949).
 [[nodiscard]] std::vector<std::byte> to_frame(const ServiceMessage& message);
 
 /// The message of a frame's CBOR: without its head.
-/// @throws FormatError if it is none, of another version, or breaks a rule: indices
-/// that the fields do not have, numbers that are not finite, a response that
-/// broken_rule() finds broken.
+/// @throws FormatError if it is none, of another version, or breaks a rule. Rules are
+/// broken by indices that the fields do not have, numbers that are not finite, and a
+/// response that broken_rule() finds broken.
 [[nodiscard]] ServiceMessage message_from_bytes(std::span<const std::byte> body);
 
 /// Cuts what arrives into frames. Not thread-safe.

@@ -69,7 +69,8 @@ class ServiceListener {
   int descriptor_ = -1;
 };
 
-/// Where the service of a scene listens unless told otherwise: "OUTPUT.socket".
+/// Where the service of a scene listens unless another address is stated:
+/// "OUTPUT.socket".
 [[nodiscard]] std::filesystem::path service_socket(const std::filesystem::path& output);
 
 }  // namespace palpate

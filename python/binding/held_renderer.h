@@ -59,7 +59,7 @@ class HeldRenderer {
   /// All contacts of the latest tick, in the world.
   [[nodiscard]] std::vector<BodyContact> contacts() const;
 
-  /// How the surface gives way under them. @throws as displaced_surface().
+  /// How the surface deforms under these contacts. @throws as displaced_surface().
   [[nodiscard]] DisplacedSurface displaced() const {
     return displaced_surface(*body_, *tool_, contacts());
   }

@@ -63,7 +63,7 @@ struct Body {
 };
 
 // Edges are growth times the distance from a circle about the origin on the top, never
-// shorter than finest_m; a circle without radius is the origin itself.
+// shorter than finest_m. A circle without radius is the origin itself.
 struct Grading {
   double growth = 0.7;
   double finest_m = 0.0;

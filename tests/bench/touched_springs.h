@@ -1,6 +1,6 @@
 // A convex response as springs that are touched one after another, each with a memory
-// of its own: the method of dimensionality reduction (Popov & Hess), which bundles of a
-// curve are measured by.
+// of its own. The model is the method of dimensionality reduction (Popov & Hess).
+// Bundles of a curve are measured by this model.
 #pragma once
 
 #include <algorithm>

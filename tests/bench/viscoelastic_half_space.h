@@ -1,5 +1,6 @@
 // Boundary elements of a linear viscoelastic half-space under a rigid sphere without
-// friction, contact that can be lost: what memory at sites of a surface is measured by.
+// friction; contact can be lost. Memory at sites of a surface is measured by these
+// boundary elements.
 #pragma once
 
 #include <algorithm>
@@ -37,8 +38,8 @@ class ViscoelasticHalfSpace {
     }
   }
 
-  /// Normal force and force along x [N] of the sphere, centred at x in the middle row,
-  /// its lowest point at a depth, after a step of time.
+  /// Normal force and force along x [N] of the sphere after a step of time. The sphere
+  /// is centred at x in the middle row, its lowest point at a depth.
   std::array<double, 2> step(double x_m, double depth_m, double dt_s) {
     const Eigen::Index n = pressure_.size();
     Eigen::VectorXd gap_m(n);

@@ -1,6 +1,6 @@
 // What the field gives between nodes, beside presses there.
 //
-// Places are drawn evenly over the surface of the elements that respond at all nodes; a
+// Places are drawn evenly over the surface of the elements that respond at all nodes. A
 // press is along the normal between the vertices' there, solved on a finer mesh
 // (true_forces.h). The tool is at the same places in the field.
 #pragma once
@@ -37,8 +37,8 @@ struct PlacesRow {
   double sideways = 0.0;  ///< [-] mean of the rest
 };
 
-/// Whether a field keeps the stated error at places: the largest |dF| over depths from
-/// a tenth on, over the true force there or a tenth of its largest
+/// Whether a field keeps the stated error at places. The error is the largest |dF| over
+/// depths from a tenth on, over the true force there or a tenth of its largest
 /// (force_difference.h).
 struct PlacesCoverage {
   FieldKind kind = FieldKind::kSmooth;

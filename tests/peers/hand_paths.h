@@ -29,8 +29,8 @@ struct PlannedHand {
 /// Half a millimetre of the slowest slide: 25 ms, so that 20 Hz are still told.
 constexpr std::size_t kDenseTicks = 25;
 
-/// A frame on the surface: places by coordinates (u, v) [m] in the tangent plane of a
-/// site, brought down to the surface along the site's normal.
+/// A frame on the surface. Places have coordinates (u, v) [m] in the tangent plane of a
+/// site, and are brought down to the surface along the site's normal.
 class SurfaceFrame {
  public:
   /// @param near the site is the point of the surface nearest to it. @param along

@@ -48,10 +48,11 @@ struct EdgeJumps {
   double turn_anywhere_rad = 0.0;
 };
 
-/// Along the hand between its first and its last tick with a true force: on the way
-/// over the surface, not where it comes and goes. A jump is a step of the force from a
-/// tick to the next, less the median step of the kAround ticks before and after, which
-/// the movement makes without a jump; a turn is the angle between both, likewise. No
+/// Steps count along the hand between its first and its last tick with a true force. So
+/// steps count on the way over the surface, not where the hand comes and goes. A jump
+/// is a step of the force from a tick to the next, less the median step of the kAround
+/// ticks before and after. That median step is what the movement makes without a jump.
+/// A turn is the angle between the forces of both ticks, less the median likewise. No
 /// force has no direction, and does not turn. Of an edge it is the largest within
 /// kAtEdge ticks of the crossing: a slow process comes up to ten ticks late.
 constexpr int kAtEdge = 15;
@@ -59,7 +60,7 @@ constexpr int kAround = 40;
 [[nodiscard]] EdgeJumps edge_jumps(const SurfaceMesh& surface,
                                    const RenderedHand& rendered);
 
-/// Work that the hand has put in, by the trapezoid rule: what belongs to forces and
+/// Work that the hand has put in, by the trapezoid rule. The work belongs to forces and
 /// places, not to forces that a device holds for a tick.
 struct PathEnergy {
   double put_in_j = 0.0;   ///< [J] at the end; of a closed path: what was lost

@@ -27,12 +27,13 @@ struct StableStiffness {
 };
 
 /// The device leans on the scene's site, at 0.6 of the largest depth, along the normal.
-/// Forces are scaled by a gain, as a workspace that is scaled does it: the stiffness is
-/// the gain times the renderer's own at rest, so that one that is too soft wins
-/// nothing. A hand damps the device while it settles (2 s), lets go and kicks it with 5
-/// mm/s: stable if the device moves less in the fourth second after that than in the
-/// first, and less than the kick alone would make it swing. Stiffness rises by a fifth
-/// from 10 N/m until that fails, then is bisected to 1 %.
+/// Forces are scaled by a gain, as a workspace that is scaled does it. The stiffness is
+/// the gain times the renderer's own at rest, so that a renderer that is too soft wins
+/// nothing. A hand damps the device while the device settles (2 s), lets go and kicks
+/// the device with 5 mm/s. The device is stable if the device moves less in the fourth
+/// second after that than in the first. The device must also move less than the kick
+/// alone would make the device swing. Stiffness rises by a fifth from 10 N/m until that
+/// fails, then is bisected to 1 %.
 [[nodiscard]] StableStiffness largest_stable_stiffness(const Renderer& renderer,
                                                        const std::string& variant,
                                                        const PeerScene& scene,

@@ -23,10 +23,10 @@ struct TrueCurve {
 };
 
 /// Presses the scene's first tool to each place's depth, on a mesh so many times finer
-/// than the scene's budget asks for: one for all places where the materials are linear,
-/// else one graded to each place and nonlinear. An equilibrium without friction does
-/// not depend on the way there: the force is that on a tool that has come from
-/// anywhere.
+/// than the scene's budget asks for. One mesh serves all places where the materials are
+/// linear; else there is one graded to each place and nonlinear. An equilibrium without
+/// friction does not depend on the way there: the force is that on a tool that has come
+/// from anywhere.
 [[nodiscard]] std::vector<TrueCurve> true_curves(const Scene& scene,
                                                  const BodySource& body,
                                                  std::span<const PlacedDepth> places,

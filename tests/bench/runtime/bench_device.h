@@ -1,7 +1,7 @@
-// `runtime_bench device`: the whole renderer on an emulated device with the wire of
-// the real one: byte times, latency timer and libusb, or driver process, socket and
-// service. What the wire costs, what it keeps of the rate, and whether the motors give
-// more than they may.
+// `runtime_bench device`: the whole renderer on an emulated device with the wire of the
+// real one. The wire has byte times, latency timer and libusb, or driver process,
+// socket and service. What the wire costs, what it keeps of the rate, and whether the
+// motors give more than they may.
 #pragma once
 
 #include <cstdint>

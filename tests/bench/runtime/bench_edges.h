@@ -1,9 +1,9 @@
 // `runtime_bench edges`: by how much the force of a stored body steps where the tool
 // crosses from one surface element to the next.
 //
-// At the middle of every edge whose elements have responses at all nodes, over the edge
-// by the normals there, the tool moves by 1 um across it. The step is the change of the
-// force's part along the surface, over the force.
+// The tool is at the middle of every edge whose elements have responses at all nodes,
+// over the edge by the normals there. The tool moves by 1 um across the edge. The step
+// is the change of the force's part along the surface, over the force.
 #pragma once
 
 #include <filesystem>

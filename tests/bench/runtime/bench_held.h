@@ -1,11 +1,12 @@
 // `runtime_bench held`: what a hand gets out of forces that a device holds for a tick,
 // beyond the account, over K dx^2 / 2.
 //
-// Over the middle of every edge of a stored body whose elements respond at all nodes,
-// the tool comes down by the normals there, and then goes to and fro by dx: across the
-// edge; along the normal; and by a random walk of steps of dx in all directions. A tick
-// from x to x' with the force F held gives F . (x' - x) + U(x') - U(x) more than the
-// model's potential U does. Slow updates send elements on the way. No clamps.
+// Places are over the middle of every edge of a stored body whose elements respond at
+// all nodes. There the tool comes down by the normals, and then goes to and fro by dx.
+// Ways are across the edge; along the normal; and by a random walk of steps of dx in
+// all directions. A tick from x to x' with the force F held gives F . (x' - x) +
+// U(x') - U(x) more than the model's potential U does. Slow updates send elements on
+// the way. No clamps.
 #pragma once
 
 #include <cstdint>

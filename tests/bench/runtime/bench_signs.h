@@ -2,9 +2,9 @@
 // an energy below zero, or pulls.
 //
 // Places are drawn evenly over the elements of which a node responds, and over the
-// depths; half of them within a hundredth of an element's edge or corner. A pull is a
-// force against the normal between the nodes' there, of more than a millionth of the
-// node's largest.
+// depths. Half of the places are within a hundredth of an element's edge or corner. A
+// pull is a force against the normal between the nodes' there, of more than a millionth
+// of the node's largest.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,14 @@ namespace palpate {
 struct SignsBenchOptions {
   std::int64_t places = 1'000'000;
   unsigned seed = 1;
-  /// [-] >= 0: every node's forces are multiplied by e^(+-discord), its direction leans
-  /// by up to 45 degrees, and one of ten does not respond; 0: the body as it is.
+  /// [-] >= 0: every node's forces are multiplied by e^(+-discord). A node's direction
+  /// leans by up to 45 degrees, and one node of ten does not respond. 0: the body as it
+  /// is.
   double discord = 0.0;
   /// [1, inf) so many bodies that have nothing but the surface in common, one after the
-  /// other: with more than one every node has a curve, a first touch and a tilt by
-  /// depth of its own, at random within the rules of databases; places are shared out.
+  /// other. With more than one, every node has a curve, a first touch and a tilt by
+  /// depth of its own. All three are at random within the rules of databases; places
+  /// are shared out.
   std::int64_t databases = 1;
 };
 
@@ -46,8 +48,8 @@ struct SignsBenchReport {
 /// Gives every node of a table its own factor of forces and its own lean, and takes the
 /// response from a share of them. @param lean_rad at most.
 /// @param own_curves forces that rise by chance, touches and tilts too. Where curves
-/// fall to nothing no force keeps the tool off while energies of neighbours differ, and
-/// what is left of the force may point a little inwards.
+/// fall to nothing no force keeps the tool off while energies of neighbours differ.
+/// What is left of the force may point a little inwards.
 void make_discordant(ResponseDatabase& database, ResponseTable& table,
                      double log_factor, double lean_rad, double silent_share,
                      std::uint64_t seed, bool own_curves = false);

@@ -2,7 +2,7 @@
 // pressing on closed surfaces of about 1000, 10 000 and 100 000 triangles.
 //
 // The body is a sphere of 0.1 m across, a triangle mesh of meridians and parallels, of
-// 1 N/mm everywhere; the fast process runs at 2 kHz, the slow one at 100 Hz. Paths:
+// 1 N/mm everywhere. The fast process runs at 2 kHz, the slow one at 100 Hz. Paths:
 //
 //   slide   press to 1 mm, 60 mm along the surface at 0.1 m/s and back, release;
 //           repeated

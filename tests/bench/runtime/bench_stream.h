@@ -46,7 +46,8 @@ struct StreamBenchReport {
 };
 
 /// A tool in contact goes straight over each plate, reflected at its border, in real
-/// time; with the file in the page cache, and after it was dropped from it.
+/// time. The tool does so with the file in the page cache, and after the file was
+/// dropped from it.
 /// @throws InputError for options out of range, and as StreamedElements does.
 [[nodiscard]] StreamBenchReport run_stream_bench(const StreamBenchOptions& options);
 

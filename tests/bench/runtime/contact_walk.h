@@ -21,9 +21,9 @@ struct ContactBody {
   int modes = 0;                ///< of the rows; the first adds, the second subtracts
 };
 
-/// Rows of a half-space whose contact of radius_m is the body's mean curve,
-/// c(r) = 1 / (pi E* r), times 1 / sqrt(s) at a node whose curve is s times that, and
-/// less by `thickness_m` as a layer of it has: c r (1 - r / thickness).
+/// Rows of a half-space, c(r) = 1 / (pi E* r), whose contact of radius_m is the body's
+/// mean curve. At a node whose curve is s times that, c is times 1 / sqrt(s). c is less
+/// by `thickness_m` as a layer of that thickness has it: c r (1 - r / thickness).
 [[nodiscard]] ContactBody make_contact_body(const BenchBodyOptions& options,
                                             double radius_m, double thickness_m = 0.2);
 

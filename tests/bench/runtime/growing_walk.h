@@ -1,5 +1,6 @@
-// `runtime_bench grow`: a local model on a random walk over a body whose curves
-// come, get better, get worse and go at random moments, under the tool and elsewhere.
+// `runtime_bench grow`: a local model on a random walk over a body whose curves change.
+// Curves come, get better, get worse and go at random moments, under the tool and
+// elsewhere.
 #pragma once
 
 #include <atomic>
@@ -53,7 +54,7 @@ struct GrowingWalkReport {
 };
 
 /// Without clamps. At every slow turn in contact the tick is computed twice, with what
-/// was sent and without: their forces differ by what the exchange did at that place.
+/// was sent and without. The two forces differ by what the exchange did at that place.
 /// The same options give the same walk. @throws InputError for options out of range.
 [[nodiscard]] GrowingWalkReport run_growing_walk(const ResponseDatabase& database,
                                                  const GrowingWalkOptions& options);

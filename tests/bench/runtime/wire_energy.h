@@ -1,21 +1,21 @@
 // What a wire with a delay may create of energy, and whether a run kept to it.
 //
-// The renderer's account is of a potential: E(x_{k+1}) - E(x_k) is what the tool puts
+// The renderer's account is of a potential. E(x_{k+1}) - E(x_k) is what the tool puts
 // in from one position to the next, and its sum is never below zero. The device holds
 // F_k meanwhile, so that the work on the tool is not that: each tick adds up to K
 // |x_{k+1} - x_k|^2 / 2. And it holds F_k from the place s_k to s_{k+1}, which are not
-// the positions that were seen. With d_k = s_k - x_k, and no force changing faster than
-// K per length, summation by parts gives for the work of the motors on the tool
+// the positions that were seen. Let d_k = s_k - x_k, and no force change faster than K
+// per length. Summation by parts then gives for the work of the motors on the tool
 //
 //   W <= F_N . d_N + K sum (|d_k| + |x_k - x_{k-1}| / 2) |x_k - x_{k-1}|
 //     <= |F_N| (L(t) - L(t - A)) + K (A Q + 2 D L)
 //
-// The sum's term K |x_k - x_{k-1}|^2 / 2 is the one that sampling alone adds.
-// A: age of a force when the next takes its place [s], which is at least delay plus
-// half the time that it is held; Q: integral of the squared speed over time [m^2/s]; L:
-// length of the way [m]; D: resolution [m]; Q and L over the time with force, and A
-// before it. A mechanism whose damping B >= K A absorbs the term in A: the bound of
-// Diolaiti et al. 2006.
+// The sum's term K |x_k - x_{k-1}|^2 / 2 is the one that sampling alone adds. A: age of
+// a force when the next takes its place [s]. A is at least delay plus half the time
+// that the force is held. Q: integral of the squared speed over time [m^2/s]; L: length
+// of the way [m]; D: resolution [m]. Q and L are over the time with force, and A before
+// it. A mechanism whose damping B >= K A absorbs the term in A: the bound of Diolaiti
+// et al. 2006.
 #pragma once
 
 #include <span>

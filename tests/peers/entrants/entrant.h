@@ -1,5 +1,6 @@
-// The six functions of renderer.h around a class of C++: PEERS_ENTRANT(Class), where
-// Class has
+// The six functions of renderer.h around a class of C++: PEERS_ENTRANT(Class). The
+// class has:
+//
 //   static constexpr const char* kVariants[] = {..., nullptr};
 //   Class(scene folder, own folder, variant, tick_s)   throws std::exception
 //   void pose(position), Eigen::Vector3d force(), void slow()
