@@ -3,7 +3,8 @@
 // this process and its children, enumerates and opens as on a real bus.
 //
 // The models, and the answers to usbfs requests, live in a thread of umockdev's in this
-// process; requests come to it through a socket, with the memory that they point at.
+// process. Requests come to the thread through a socket, with the memory that they
+// point at.
 #pragma once
 
 #include <cstdint>

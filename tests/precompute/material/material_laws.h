@@ -1,9 +1,9 @@
 // What every constitutive law must satisfy, written once; each law's test names the
 // laws that apply to it.
 //
-// Deformations are drawn from a fixed seed. Pressure of the volume term is left out of
-// the derivative checks (the distortion would drown in a large bulk modulus); the
-// volume measures have their own.
+// Deformations are drawn from a fixed seed. Derivative checks leave out the pressure of
+// the volume term: the distortion would drown in a large bulk modulus. The volume
+// measures have checks of their own.
 #pragma once
 
 #include <cmath>
@@ -68,9 +68,10 @@ inline void expect_zero_stress_at_rest(const Material& law) {
   EXPECT_LE(rest.stress.cwiseAbs().maxCoeff(), 1e-15 * rest.tangent.norm());
 }
 
-// Central differences with step h = 1e-5: truncation h^2/6 times the third derivative,
-// which for these laws and samples is below 1e3 times the tangent's size: 2e-8;
-// rounding 1e-16/h = 1e-11. Entries are compared with the size of the whole tangent.
+// Central differences with step h = 1e-5. Truncation is h^2/6 times the third
+// derivative, which is below 1e3 times the tangent's size for these laws and samples:
+// 2e-8. Rounding is 1e-16/h = 1e-11. Entries are compared with the size of the whole
+// tangent.
 constexpr double kStep = 1e-5;
 constexpr double kDifferenceTolerance = 2e-8;
 
@@ -187,8 +188,8 @@ inline void expect_small_strain_limit(const Material& law, const Material& linea
               1e-12 * small_youngs_modulus_pa(linear_law));
 }
 
-/// Psi(1 + e H) = e^2/2 H:A:H (1 + O(e)), A the tangent there, down to e = 1e-7, where
-/// an energy formed as a difference of numbers of size 1 would be off by 1e-16/e^2 = 1
+/// Psi(1 + e H) = e^2/2 H:A:H (1 + O(e)), A the tangent there, down to e = 1e-7. There
+/// an energy formed as a difference of numbers of size 1 would be off by 1e-16/e^2, 1
 /// %.
 inline void expect_energy_keeps_its_digits_at_small_strain(const Material& law) {
   std::mt19937_64 random(17);
