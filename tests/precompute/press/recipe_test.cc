@@ -52,6 +52,20 @@ TEST(Recipe, ALateTouchIsPressedOnFinerMeshesAsLongAsTheyAnswer) {
   EXPECT_EQ(history_text(in_vain), "touches late: mesh 2 times finer, not taken");
 }
 
+TEST(Recipe, AFinerMeshThatFailsNoFartherIsNotTaken) {
+  Outcome late = kGood;
+  late.late = true;
+  late.samples = 10;
+  EXPECT_EQ(last_taken(follow(kPolicy, late, {failed(10)})), 0U);
+}
+
+TEST(Recipe, AfterCoarserMeshesNoFinerOnesAreTried) {
+  Outcome late = kGood;
+  late.late = true;
+  late.samples = 12;
+  EXPECT_EQ(last_taken(follow(kPolicy, failed(8), {late})), 1U);
+}
+
 TEST(Recipe, AFailedPressGoesToCoarserMeshesAndTheFarthestIsTaken) {
   const auto tried = follow(kPolicy, failed(8), {failed(7), failed(12)});
   EXPECT_EQ(tried[1].recipe.times_finer, 0.5);
