@@ -47,6 +47,9 @@ void add_options(const toml::table& table, const std::string& file,
                  std::span<const std::string> given, std::vector<std::string>& words) {
   for (const auto& [key, value] : table) {
     const std::string name = fmt::format("--{}", key.str());
+    if (name == kConfig) {
+      throw InputError(fmt::format("{}: config: presets name no other presets", file));
+    }
     if (value.is_table() || is_given(given, name) || is_given(words, name)) {
       continue;
     }

@@ -61,7 +61,9 @@ int run(int argc, char** argv) {
   if (verb->command.empty()) {
     arguments.erase(arguments.begin());
   }
-  become(std::string(tool_for(*verb, argc > 2 ? argv[2] : "")), std::move(arguments));
+  become(
+      std::string(tool_for(*verb, std::span<const char* const>(argv + 2, argv + argc))),
+      std::move(arguments));
 }
 
 }  // namespace

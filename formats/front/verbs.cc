@@ -35,8 +35,11 @@ const Verb* find_verb(std::string_view name) {
   return found == kVerbs.end() ? nullptr : found;
 }
 
-std::string_view tool_for(const Verb& verb, std::string_view file) {
-  const bool database = file.ends_with(".h5") || file.ends_with(".hdf5");
+std::string_view tool_for(const Verb& verb, std::span<const char* const> arguments) {
+  const bool database =
+      std::any_of(arguments.begin(), arguments.end(), [](std::string_view word) {
+        return word.ends_with(".h5") || word.ends_with(".hdf5");
+      });
   return verb.name == "check" && database ? "palpate-db" : verb.tool;
 }
 

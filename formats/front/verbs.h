@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -63,7 +64,8 @@ inline constexpr std::array kVerbs = {
 
 /// The tool that `palpate VERB ARGUMENTS..` runs: of a file that is a database
 /// `check` is palpate-db's.
-[[nodiscard]] std::string_view tool_for(const Verb& verb, std::string_view file);
+[[nodiscard]] std::string_view tool_for(const Verb& verb,
+                                        std::span<const char* const> arguments);
 
 [[nodiscard]] std::string front_help();
 [[nodiscard]] std::string front_man_page();

@@ -70,6 +70,7 @@ TEST_F(CommandWordsTest, WhatIsNoPresetIsRefusedByName) {
   EXPECT_THROW(with("at = 1979-05-27\n", {"simulate"}), InputError);
   EXPECT_THROW(with("at = [[1, 2]]\n", {"simulate"}), InputError);
   EXPECT_THROW(with("at =\n", {"simulate"}), InputError);
+  EXPECT_THROW(with("config = \"b.toml\"\n", {"simulate"}), InputError);
   EXPECT_THROW((void)command_words(Words{"build", "--config"}), InputError);
   EXPECT_THROW((void)command_words(Words{"build", "--config", "/nowhere.toml"}),
                InputError);

@@ -1,9 +1,12 @@
 #include "formats/front/verbs.h"
 
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "formats/base/command_words.h"
 #include "tests/support/run_tool.h"
 
 namespace palpate {
@@ -45,6 +48,24 @@ TEST(Verbs, AreTheToolsOwnAndNoneIsMissing) {
   }
 }
 
+TEST(Verbs, TakeOptionsByTheirNewNamesAlone) {
+  std::string words;
+  for (const std::string tool :
+       {"palpate-precompute", "palpate-fit", "palpate-db", "palpate-run"}) {
+    words += run_tool_process(tool, {"--completion"}).out;
+  }
+  for (const RenamedOption& option : kRenamedOptions) {
+    EXPECT_NE(words.find(" " + std::string(option.now) + " "), std::string::npos);
+    EXPECT_EQ(words.find(" " + std::string(option.before) + " "), std::string::npos);
+  }
+}
+
+TEST(Verbs, AnErrorNamesTheVerbsOwnHelp) {
+  const ToolRun run = run_tool_process("palpate", {"db", "info"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("(see palpate-db info --help)"), std::string::npos) << run.err;
+}
+
 TEST(Verbs, NoneStandsTwice) {
   for (const Verb& verb : kVerbs) {
     EXPECT_EQ(find_verb(verb.name), &verb) << verb.name;
@@ -54,9 +75,13 @@ TEST(Verbs, NoneStandsTwice) {
 TEST(Verbs, ADatabaseIsCheckedByItsOwnTool) {
   const Verb* check = find_verb("check");
   ASSERT_NE(check, nullptr);
-  EXPECT_EQ(tool_for(*check, "organ.h5"), "palpate-db");
-  EXPECT_EQ(tool_for(*check, "organ.obj"), "palpate-precompute");
-  EXPECT_EQ(tool_for(*find_verb("view"), "organ.h5"), "palpate-run");
+  using Line = std::vector<const char*>;
+  EXPECT_EQ(tool_for(*check, Line{"organ.h5"}), "palpate-db");
+  EXPECT_EQ(tool_for(*check, Line{"--json", "organ.h5"}), "palpate-db");
+  EXPECT_EQ(tool_for(*check, Line{"organ.obj", "--repair", "safe"}),
+            "palpate-precompute");
+  EXPECT_EQ(tool_for(*check, Line{}), "palpate-precompute");
+  EXPECT_EQ(tool_for(*find_verb("view"), Line{"organ.h5"}), "palpate-run");
 }
 
 TEST(Front, BecomesTheTool) {
