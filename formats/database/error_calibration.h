@@ -19,7 +19,7 @@ inline constexpr std::size_t kChecksToCalibrate = 19;
 /// Times an estimate where nothing was measured, and at least elsewhere: a few dozen
 /// checks may all miss what is rare on a body. An organ's 24 ask for 1.1, which covers
 /// 20 of 24 other nodes solved on meshes four times as fine; 1.5 covers 23. A liver's
-/// ask for 2.8 (MEASURED.md): an error that was not checked is no promise.
+/// ask for 2.8 (HISTORY.md): an error that was not checked is no promise.
 inline constexpr double kLeastErrorFactor = 1.5;
 
 /// What covers 95 % of new values like these: the ceil(0.95 (n + 1))-th smallest, the

@@ -118,7 +118,7 @@ std::string accuracy_of(const ResponseTable& table) {
   return text;
 }
 
-// How often which: "3 times touches late: mesh 2 times finer".
+// How often which: "3 of touches late: mesh 2 times finer", a line each.
 std::string histories(const ResponseTable& table) {
   std::string text;
   for (std::size_t k = 0; k < table.history_text.size(); ++k) {

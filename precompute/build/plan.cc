@@ -230,9 +230,10 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
     in_parallel(batch, [&](std::size_t b) {
       const std::size_t i = timed + b;
       took_s[i] = seconds_of([&] {
-        pressed[i] = press_on_own_mesh(
-            scene_, body_, tool, groups[i], focus,
-            {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
+        pressed[i] = press_on_own_mesh(scene_, body_, tool, groups[i], focus,
+                                       {.nonlinear = nonlinear,
+                                        .options = nonlinear_options(scene_, tool),
+                                        .probe = strategy_.nonlinear});
       });
     });
     for (std::size_t b = 0; b < batch; ++b) {

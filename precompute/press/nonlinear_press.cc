@@ -257,8 +257,9 @@ void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compli
   }
   node = pressed_by(model, compliance, linear, mode, first, noted);
   PressChecks spent = node.checks;
-  for (auto more = next(node.tried, policy_of(mode)); more && keeps_mesh(more->reason);
-       more = next(node.tried, policy_of(mode))) {
+  const PressPolicy policy = policy_of(mode);
+  for (auto more = next(node.tried, policy); more && keeps_mesh(more->reason);
+       more = next(node.tried, policy)) {
     PressedNode again = pressed_by(model, compliance, linear, mode, *more, noted);
     spent.newton += again.checks.newton;
     spent.gradients += again.checks.gradients;

@@ -68,11 +68,12 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                                            const PressMode& mode) {
   std::vector<PressedNode> nodes =
       press_together(scene, body, tool, vertices, focus, mode);
+  const PressPolicy policy = policy_of(mode);
   for (PressedNode& node : nodes) {
     if (signal_of_crash_at(node.vertex) != 0) {
       continue;
     }
-    while (const auto more = next(node.tried, policy_of(mode))) {
+    while (const auto more = next(node.tried, policy)) {
       PressedNode again{.vertex = node.vertex, .path = node.path, .tried = {*more}};
       again.tried.front().outcome.failed = true;  // what a press that throws leaves
       PressMode alone = mode;

@@ -127,6 +127,17 @@ TEST(ReportPage, ShowsHowAForceRelaxes) {
   EXPECT_NE(clicked.find("Held for long, 50 % of it stay."), std::string::npos);
 }
 
+TEST(ReportPage, CountsWhatWasSolvedAgain) {
+  ResponseDatabase database = sphere_database(12, 9);
+  ResponseTable& table = database.tools[0];
+  EXPECT_EQ(report_page(database, "a.h5").find("solved again"), std::string::npos);
+  table.history.assign(static_cast<std::size_t>(table.nodes()), -1);
+  table.history[1] = table.history[4] = 0;
+  table.history_text = {"touches late: mesh 2 times finer"};
+  EXPECT_NE(report_page(database, "a.h5").find("2 of touches late: mesh 2 times finer"),
+            std::string::npos);
+}
+
 TEST(ReportPage, AsksForNothingFromElsewhere) {
   const std::string page = report_page(small_database(), "a.h5");
   for (const char* way :

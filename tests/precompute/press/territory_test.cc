@@ -98,6 +98,18 @@ TEST(Territory, CurvesEndAtALimitOrSayThatTheyDoNot) {
   EXPECT_GT(capped, 5);
 }
 
+// What a solve tried is kept; what was interpolated was not solved.
+TEST(Territory, KeepsTheHistoryOfWhatItSolves) {
+  int again = 0;
+  for (const WorkUnitNode& node : answers_of(kScene).nodes) {
+    again += node.history.empty() ? 0 : 1;
+    if (node.response.origin == ResponseOrigin::kInterpolated) {
+      EXPECT_EQ(node.history, "") << node.vertex;
+    }
+  }
+  EXPECT_GT(again, 0);
+}
+
 // A budget of so many deviations of every vertex' error that one in twenty is beyond it
 // (1.96 for two sides) is kept, a little less is not.
 TEST(Territory, KeepsABudgetAtNinetyFivePercent) {
