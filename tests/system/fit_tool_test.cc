@@ -260,5 +260,28 @@ TEST_F(FitTool, AnswersBadInputWithOneLineAndLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(FitBatch, FailsWhereNoRunCanBeRead) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "odd.csv") << "Travel (mm),Load (N)\nno,number\n";
+  std::ofstream(folder / "session.toml") << R"([read]
+depth_column = "Travel"
+depth_unit = "mm"
+force_column = "Load"
+force_unit = "N"
+[indenter]
+shape = "sphere"
+radius_m = 0.01
+[[run]]
+files = "odd.csv"
+)";
+  const ToolRun result =
+      run_tool_process("palpate-fit", {"batch", (folder / "session.toml").string(),
+                                       "-o", (folder / "out").string(), "--quiet"});
+  EXPECT_EQ(result.exit_code, 2) << result.out;
+  EXPECT_NE(result.err.find("no run could be read or fitted"), std::string::npos)
+      << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/results.csv"));
+}
+
 }  // namespace
 }  // namespace palpate
