@@ -170,6 +170,7 @@ TEST(SurfaceMemory, CarriedIsWhatRelaxedOfAllBundlesAtThePresentTime) {
   EXPECT_NEAR(carried_n(*memory, row), 0.4 * 5.0 * std::exp(-0.6), 1e-14);
   const int free = (row + 1) % kMemorySites;
   relaxed_forces(*memory, free, 0)(0) = 7.0;
+  memory->row[static_cast<std::size_t>(free)].relaxing(0) = 0.4;
   EXPECT_EQ(carried_n(*memory, free), 0.0);
 }
 
