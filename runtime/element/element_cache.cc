@@ -74,6 +74,8 @@ bool well_formed(const ElementMemory& memory) noexcept {
       memory.bundles > most_bundles) {
     return false;
   }
+  // Relaxation times are positive, finite and strictly increasing: free_recovery.h
+  // looks for one root between two of them.
   const auto tau =
       std::span(memory.relaxation_s).first(static_cast<std::size_t>(memory.terms));
   const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
@@ -81,6 +83,7 @@ bool well_formed(const ElementMemory& memory) noexcept {
                      }) == tau.end();
   const bool lasts =
       tau.empty() || (tau.front() > 0.0 && rises && std::isfinite(tau.back()));
+  // Cuts do not decrease, for bundle b reaches from cut b - 1 to cut b.
   return lasts &&
          std::all_of(memory.node.begin(), memory.node.end(),
                      [&](const NodeMemory& node) {

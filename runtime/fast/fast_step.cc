@@ -230,18 +230,22 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     const Vector3& x = sample.position_m;
     const Vector3 moved =
         state.sampled ? Vector3(x - state.latest.position_m) : Vector3::Zero();
+    // 1. Half the tick's time relaxes where the tool was. 2. The model follows the tool
+    // and books work and changes. 3. Limits act on the force.
     const PassivityLedger before = state.ledger;
     relax_ahead(state, dt_s);
     state.relaxed_ahead = false;
     const Vector3 wanted = advance_model(state, x, dt_s, command);
     command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
                                 wanted, moved, dt_s);
+    // A force that is not a number leaves the account as the last tick left it.
     if (state.safety.fault == Fault::kNotFinite) {
       state.ledger = before;
     }
     state.latest = sample;
     state.sampled = true;
   }
+  // A fault of this tick or of one before commands zero force.
   if (state.safety.fault != Fault::kNone) {
     command = {};
     state.safety.force_n.setZero();
@@ -304,6 +308,7 @@ FastContact contact(const FastState& state) noexcept {
   const int used = used_slot(state);
   if (used >= 0) {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
+    // Normal: sum w_j n_j, made a unit. Point: sum w_j v_j, or foot_m() of the field.
     const Vector3& weight = field ? place.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
       const Real part = weight(static_cast<Eigen::Index>(j));
