@@ -92,6 +92,7 @@ bool ProbeWire::exchange(double force_n) {
     ++missed_;
     return false;
   }
+  // The first answer has no position before it.
   if (exchanges_ > missed_ + 1) {
     learn_step(position_m - position_m_);
   }

@@ -70,6 +70,8 @@ std::int32_t node_to_press(const ResponseDatabase& database, const ResponseTable
     if (!has_response(table, v)) {
       continue;
     }
+    // Nearest to the wanted place; without one, most edges away from the rim of the
+    // responses. The higher node decides between equals.
     const double score = at_m ? -(position.row(v).transpose() - *at_m).norm()
                               : static_cast<double>(edges[static_cast<std::size_t>(v)]);
     const double height = position(v, 2);

@@ -69,6 +69,8 @@ void SurfacePiece::add_triangles() {
            {local(triangle(t, 0)), local(triangle(t, 1)), local(triangle(t, 2))}});
     }
   }
+  // The source's order: where two triangles are equally near, a search takes the same
+  // one as in the whole body.
   std::sort(all.begin(), all.end(), [](const Triangle& a, const Triangle& b) {
     return a.source < b.source;
   });
