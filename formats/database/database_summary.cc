@@ -69,6 +69,7 @@ ToolSummary summarise(const ToolIndex& tool) {
     return tool.origin_count[static_cast<std::size_t>(origin)];
   };
   const auto flagged = [&](ResponseFlag flag) {
+    // flag_count has a number by bit. Older files lack the last.
     const auto bit =
         static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(flag)));
     return bit < tool.flag_count.size() ? tool.flag_count[bit] : 0;

@@ -76,6 +76,7 @@ JpkColumns columns_of(const std::string& file, const JpkText& head) {
   }
   at.height = *head.column(*height);
   at.force = *force;
+  // depth = -height - F / k needs the force in newtons, and k.
   const auto newtons = force_unit_si(head.units[at.force]);
   const auto told = head.told.find("springConstant");
   const auto spring =
@@ -224,6 +225,7 @@ NanoScopeWay columns_of(const NanoScope& curve, const char* way) {
     force = curve.column("Defl", way, "nN");
     at.newtons = 1e-9;
   }
+  // depth = ramp - bending. The bending is stated in nm, or is V times nm/V, or F / k.
   const bool bending =
       bent || (volts && curve.metres_per_volt) || (force && curve.spring_n_per_m);
   if (!ramp || !bending || (!force && !curve.spring_n_per_m)) {
@@ -300,6 +302,7 @@ MeasurementFile read_jpk_text(const std::filesystem::path& file, const Instrumen
   const std::string text = read_file(file);
   JpkRows rows{.file = file.string(), .with_time = request.with_time};
   std::size_t number = 1;
+  // Comments between the rows begin another segment, and may state other columns.
   for (std::string_view rest = text; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     rows.take({number, std::string(trimmed(rest.substr(0, end)))});

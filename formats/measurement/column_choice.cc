@@ -136,6 +136,8 @@ std::optional<std::size_t> one_of_twins(std::span<const TextLine> lines,
       })) {
     return std::nullopt;
   }
+  // A column with glitches goes a longer way. Of the smooth ones, one that moves
+  // upwards is taken before one that moves down.
   double shortest = way(first);
   for (const Numbers& column : numbers) {
     shortest = std::min(shortest, way(column));

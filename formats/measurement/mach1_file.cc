@@ -58,6 +58,8 @@ std::vector<Block> blocks_of(std::string_view text) {
     block = Block{};
     place = kOutside;
   };
+  // <INFO> ... <END INFO>, <name of the function>, "key: value" lines, <DATA>, a line
+  // of names, rows, <END DATA>; then the next block.
   std::size_t number = 1;
   for (std::size_t at = 0, next = 0; at < text.size(); at = next, ++number) {
     const std::string_view line = line_at(text, at, next);
@@ -186,6 +188,8 @@ std::optional<Along> along(const std::string& file, std::span<const TextLine> li
     const std::vector<double>& part = lengths ? m.depth_m : m.force_n;
     result.value.resize(part.size(), 0.0);
     for (std::size_t i = 0; i < part.size(); ++i) {
+      // sum over axes of n_axis part_axis: ways from the first row on, forces as they
+      // are.
       result.value[i] += direction[axis] * (part[i] - (lengths ? part.front() : 0.0));
     }
     result.columns += fmt::format("{}\"{}\"", axis == 0 ? "" : ", ", name);
@@ -252,6 +256,8 @@ InstrumentFile list_mach1(const std::filesystem::path& file) {
     const std::string& kind = block.curve.kind;
     return named(kNoPress, kind) ? 0 : named(kMayPress, kind) ? 1 : 2;
   };
+  // Unknown functions rank above kMayPress, and those above kNoPress. The best rank in
+  // the file counts, and rank 0 never does.
   int best = 0;
   for (const Block& block : blocks) {
     best = std::max(best, rank(block));

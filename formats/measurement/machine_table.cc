@@ -176,6 +176,7 @@ std::vector<InstrumentCurve> tables_in(std::span<const TextLine> lines) {
   const bool timed = std::any_of(tables.begin(), tables.end(), [](const Table& table) {
     return table.timed();
   });
+  // Beside tables of samples in time, one without time is a summary.
   std::erase_if(tables, [&](const Table& table) {
     return timed && !table.timed();
   });

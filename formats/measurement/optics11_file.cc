@@ -117,6 +117,7 @@ MeasurementFile read_optics11(const std::filesystem::path& file, const Instrumen
     refuse_clipped(file.string(), result);
     return result;
   }
+  // depth = piezo's way - cantilever's bending.
   columns.depth = {"Cantilever", kUnitFromHeader};
   columns.time.reset();
   const MeasurementFile bending =
