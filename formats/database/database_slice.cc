@@ -208,7 +208,6 @@ ResponseDatabase merge(const std::vector<ResponseDatabase>& databases) {
     const ResponseDatabase& other = databases[i];
     require_same_body(result, other);
     // Equal meshes may be of other materials: the source's digest shows it.
-    // tells.
     if (other.provenance.source_sha256 != result.provenance.source_sha256) {
       throw InputError(fmt::format(
           "database {} comes from another source than the first: SHA-256 {:?}, must be "

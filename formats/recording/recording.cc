@@ -161,6 +161,7 @@ RecordingHeader Reader::header() const {
     }
   };
   read_all(recording::kTexts, recording::kNumbers);
+  // Names of models changed with the versions.
   header.model = recorded_model(version, header.model);
   if (version >= 3) {
     read_all(recording::kAddedTexts, recording::kAddedNumbers);
@@ -230,6 +231,8 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
   for (const Column& column : columns) {
     opened.push_back(dataset(column));
     const std::size_t rows = extent(column, opened.back().get());
+    // Columns are written one after another: where the writer died, the shortest
+    // counts.
     if (ended && count != SIZE_MAX && rows != count) {
       fail(fmt::format("dataset {} has {} rows, must have {}", column.path, rows,
                        count));
@@ -237,6 +240,7 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
     count = std::min(count, rows);
   }
   std::vector<Row> table;
+  // A block of a column after the other, each scattered over the rows' members.
   std::vector<std::byte> packed(kRecordingBlock * kWidest * sizeof(double));
   for (std::size_t begin = 0; begin < count; begin += kRecordingBlock) {
     const std::size_t block = std::min(kRecordingBlock, count - begin);
@@ -247,6 +251,8 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
           fail(fmt::format("dataset {}, rows from {}: damaged: {}", columns[i].path,
                            begin, hdf5::last_failure()));
         }
+        // A block that was not written ends what is known; in an ended recording it is
+        // damage.
         table.resize(begin);
         return table;
       }
@@ -306,6 +312,7 @@ void check(const Recording& recording, const Reader& reader) {
     }
   }
   for (std::size_t i = 1; i < recording.arrival.size(); ++i) {
+    // Elements are accepted again in this order.
     if (recording.arrival[i].tick < recording.arrival[i - 1].tick) {
       reader.fail(fmt::format("arrival in row {} is earlier than the one before", i));
     }

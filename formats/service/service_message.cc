@@ -218,6 +218,7 @@ std::vector<std::byte> to_frame(const ServiceMessage& message) {
       message);
   j["version"] = kServiceVersion;
   const std::vector<std::uint8_t> body = json::to_cbor(j);
+  // Magic, bytes of the body (uint32, little-endian), the body in CBOR.
   std::vector<std::byte> frame(kFrameMagic.begin(), kFrameMagic.end());
   frame.reserve(kHead + body.size());
   for (int i = 0; i < 4; ++i) {

@@ -60,6 +60,7 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   const auto deadline = Clock::now() + kPatience;
   std::unique_lock lock(mutex_);
   while (!scene_known_ && !ended_ && refusal_.empty()) {
+    // Woken by the thread of the connection, or to look whether the user has stopped.
     changed_.wait_for(lock, milliseconds(50));
     if (stop.load()) {
       throw Interrupted();

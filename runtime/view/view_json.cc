@@ -64,7 +64,6 @@ Json flag_names(std::uint8_t flags) {
   return names;
 }
 
-// Every tick, as numbers of as many digits as a plot or a table needs.
 // What dents hold, by the account.
 double memory_j(const TickRecord& t) {
   return std::max(0.0, t.work_j - t.stored_j - t.tank_j - t.dissipated_j);
@@ -80,6 +79,7 @@ Json as_json(const std::vector<NodeDent>& dents) {
   return {{"node", nodes}, {"depth_m", depths_m}};
 }
 
+// Every tick, as numbers of as many digits as a plot or a table needs.
 std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal_m) {
   const auto column = [&](const char* key, auto&& value) {
     std::string text = fmt::format("\"{}\":[", key);
