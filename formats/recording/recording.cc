@@ -161,7 +161,7 @@ RecordingHeader Reader::header() const {
     }
   };
   read_all(recording::kTexts, recording::kNumbers);
-  // Names of models changed with the versions.
+  // Version 1 called the field over facets "potential".
   header.model = recorded_model(version, header.model);
   if (version >= 3) {
     read_all(recording::kAddedTexts, recording::kAddedNumbers);
