@@ -161,6 +161,10 @@ void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
   double smallest = std::numeric_limits<double>::infinity();
   double largest = 0.0;
   double* numbers = number.get();
+  // Left-looking (Ng, Peyton 1993), for each supernode of m rows and k columns:
+  // 1. Its columns of K.
+  // 2. Minus the products L_d L_d^T of its descendants d.
+  // 3. A dense factor of what is left.
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     const std::ptrdiff_t m = nodes.rows(s);
     const std::ptrdiff_t k = nodes.columns(s);
@@ -229,6 +233,8 @@ FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
     return at(std::upper_bound(whole.begin.begin(), whole.begin.end(), c) -
               whole.begin.begin() - 1);
   };
+  // A load on a column fills only that column's ancestors in the elimination tree. The
+  // part is therefore the supernodes of the unknowns and all their parents.
   std::vector<char> reached(whole.count(), 0);
   for (const std::int64_t unknown : unknowns) {
     if (unknown >= 0) {

@@ -73,6 +73,9 @@ class Elimination {
         C_(Eigen::MatrixXd::Zero(A.cols(), A.cols())) {}
 
   Eigen::MatrixXd run() {
+    // Children come before their parent. A supernode's front (loads x rows) is summed
+    // up and its columns are eliminated to Y'. Their products add to C = Y'Y; the rest
+    // of the front goes to the parent.
     for (std::ptrdiff_t s = 0; s < part_.count; ++s) {
       choose_loads(s);
       if (!load_.empty()) {
@@ -82,6 +85,8 @@ class Elimination {
         hand_on(s);
       }
     }
+    // Loads are sorted, columns of A are not. Each pair was added on one side of the
+    // diagonal.
     for (Eigen::Index j = 0; j < C_.cols(); ++j) {
       for (Eigen::Index i = 0; i < j; ++i) {
         C_(i, j) += C_(j, i);
