@@ -146,6 +146,7 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
         std::min(node.checks.smallest_jacobian, solved.smallest_jacobian);
     const double linear_n = linear.force_n.norm();
     if (linear_n > 0.0) {
+      // Knot: (F - F_linear) / |F_linear| [-].
       knots.push_back(
           {linear.penetration_m, (solved.force_n - linear.force_n) / linear_n});
     }
@@ -156,6 +157,7 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
   const std::size_t reached =
       result.sample.empty() ? 0 : sample_of(result.sample.back());
   path.resize(reached + 1);
+  // Depths between knots, the far field's nonlinearity, and the contact springs.
   node.indentation.path_error =
       std::hypot(knots.empty() ? 0.0 : interpolation_error(path, knots),
                  result.far_excess_relative,
@@ -202,6 +204,8 @@ NonlinearIndentation followed(const BodyModel& model,
                            model.contact,
                            has_stiffness ? &*model.factor : nullptr,
                            has_stiffness ? &model.stiffness : nullptr};
+  // The tangent of the near field can be factored only where the model keeps its
+  // stiffness.
   NonlinearOptions options = mode.options;
   options.stiff = options.stiff || recipe.stiff;
   if (recipe.near_gradient > 0.0) {

@@ -204,6 +204,8 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
   progress.stage("shared mesh and factor");
   model_.emplace(make_shared_model(scene, body, strategy));
   progress.stage("surface compliance");
+  // Every vertex of every tool is placed, so that the pairs that are kept do not depend
+  // on `pressed`. Columns are solved only for vertices that are pressed.
   std::vector<PressedNode> placed;
   std::vector<char> wanted(model_->contact.node.size(), 0);
   for (const SharedTool& tool : body.tool) {

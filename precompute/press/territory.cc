@@ -28,6 +28,8 @@ bool keeps_budget(std::span<const double> expected, std::size_t known, double bu
     return kExpectedErrorFactor * *std::max_element(expected.begin(), expected.end()) <=
            budget;
   }
+  // Expected number of nodes beyond the budget, for normal errors of standard deviation
+  // error / kExpectedDeviations: P(|e| > budget) = erfc(budget / (sqrt(2) sd)).
   double beyond = 0.0;
   for (const double error : expected) {
     beyond +=
@@ -65,6 +67,8 @@ void Territory::keep_linear_within_budget(bool graded) {
     Attempt& last = kept.tried[last_taken(kept.tried)];
     Attempt& finest = node.tried[last_taken(node.tried)];
     const NodeResponse coarse = response_of(kept);
+    // mesh_error() extrapolates from two meshes of a node's own, one twice as fine
+    // (kFinerStep).
     const bool twice_as_fine =
         solver_.shared() == nullptr && !last.outcome.late &&
         finest.recipe.times_finer == kFinerStep * last.recipe.times_finer;
@@ -173,6 +177,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     bool ends_early = press.indentation.ends_early;
+    // Solved, predicted by kriging, or without an answer though the tool touches.
     if (full_[i]) {
       node.history = history_text(press.tried);
       node.response = response_of(press);
@@ -276,6 +281,7 @@ Territory::Places Territory::other_kinds() const {
 Territory::Places Territory::spread(
     std::size_t count, const std::function<double(std::size_t, std::size_t)>& apart,
     const std::function<double(std::size_t, double)>& worth) const {
+  // Farthest-point sampling: `distance` is that to the nearest vertex solved or chosen.
   std::vector<double> distance(vertex_.size(), std::numeric_limits<double>::infinity());
   const auto take = [&](std::size_t chosen) {
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
