@@ -40,12 +40,16 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
   };
   fit();
   PressCorrections& told = result.corrections;
+  // 1. Drift with time, from free samples, which the fit names. The fit is made again.
   told.drift = find_time_drift(press, result.approach, result.contact);
   if (told.drift.significant) {
     take_off_drift(told.drift, result.approach, result.samples);
     fit();
     result.contact.flags.push_back(FitFlag::kTimeDriftRemoved);
   }
+  // 2. The frame's deflection, in displacement. A second fit with a softer frame shows
+  //    what
+  //    the error of the frame's stiffness does.
   result.moved = result.samples;
   if (frame != nullptr) {
     result.moved = moved_tip(result.samples, result.approach, *frame);
@@ -61,6 +65,7 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
           fit_contact(changed.approach, {.noise_relative = noise_relative});
     }
   }
+  // 3. Adhesion, of the forces without drift.
   told.adhesion = find_adhesion(result.samples, result.approach, result.contact);
   if (told.adhesion.seen()) {
     result.contact.flags.push_back(FitFlag::kAdhesion);

@@ -95,6 +95,8 @@ BinFit fit_bins(const FamilyData& data, std::string_view name, double contact,
     }
     force = isotonic(force, samples);
   }
+  // The cubic passes through (mean depth, mean force) of each bin; no force is
+  // negative.
   const auto p = std::ssize(force);
   fit.family = cubic_family(name, bins.depth);
   fit.q = Eigen::VectorXd::Zero(kFamilyShared + p);

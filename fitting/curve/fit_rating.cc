@@ -101,6 +101,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   if (!rating.gates.empty()) {
     return rating;
   }
+  // The gates before end the rating; each of those that follow halves the score.
   for (const FitFlag flag :
        {FitFlag::kAlreadyInContact, FitFlag::kContactPointNotIdentified,
         FitFlag::kForceRisesInHold, FitFlag::kNonMonotoneDepth,
@@ -120,6 +121,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   if (bound_matters(best)) {
     rating.gates.emplace_back(flag_name(FitFlag::kParameterAtBound));
   }
+  // Score: a product of 1 / (1 + excess / scale) times 2^-gates.
   const auto penalty = [](double excess, double scale) {
     return 1.0 / (1.0 + std::max(0.0, excess) / scale);
   };

@@ -205,6 +205,7 @@ bool explain_by_bend(const DriftBend& bend, const ContactFitOptions& options,
     if (!is_fitted(other[k])) {
       return false;
     }
+    // How far the contact point moves if the bend is taken off in either way.
     moved_m[k] = other[k].contact.m - fit.contact.m;
   }
   const auto best = static_cast<std::size_t>(other[1].rms_n < other[0].rms_n);
@@ -216,6 +217,7 @@ bool explain_by_bend(const DriftBend& bend, const ContactFitOptions& options,
   if (!is_known(fit) && !fit.has(FitFlag::kContactPointNotIdentified)) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
+  // A sure bend replaces the misfit: without the bend the law follows.
   if (bend.is_sure()) {
     fit.misfit = other[best].misfit;
     fit.free_to_m = other[best].free_to_m;

@@ -222,6 +222,7 @@ bool is_empty(const Approach& approach) {
 PowerLawSolution search_power_law(const ScaledApproach& s,
                                   std::optional<double> exponent,
                                   std::optional<double> drift_max) {
+  // 1. Starts by linear fits on a grid; without one, contact from the first sample on.
   HeldParameters held{};
   held[kExponent] = exponent.has_value();
   const auto starts = contact_starts(s.curve, exponent, kStarts);
@@ -230,6 +231,9 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
     solution = solve_from_first_sample(s, exponent);
   } else {
     solution = solve(s.curve, starts, held, s.noise);
+    // 2. Where free travel is given, too steep a drift is held at zero. Otherwise a
+    //    drift
+    //    stays only if free samples are left that show it.
     if (told_free(s.curve)) {
       if (drift_max && solution.model.baseline_slope > *drift_max) {
         held[kBaselineSlope] = true;
@@ -239,6 +243,7 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
       solution = solve_without_drift(s, exponent, drift_max, starts, solution);
     }
   }
+  // 3. Without samples in contact the law starts at the first sample.
   if (!reaches_contact(s, solution)) {
     solution = solve_from_first_sample(s, exponent);
   }
