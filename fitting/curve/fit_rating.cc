@@ -21,6 +21,7 @@ double runs_z(const std::vector<double>& residuals) {
       runs += 1.0;
     }
   }
+  // Number of runs of one sign: mean 2 a b / n + 1, variance (m - 1)(m - 2) / (n - 1).
   const double n = above + below, expected = 2.0 * above * below / n + 1.0;
   const double variance = (expected - 1.0) * (expected - 2.0) / (n - 1.0);
   return variance > 0.0 ? (runs - expected) / std::sqrt(variance) : 0.0;

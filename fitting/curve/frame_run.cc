@@ -65,6 +65,8 @@ Pieces fit_pieces(const Contact& c, int pieces) {
   fit.knot = Eigen::ArrayXd::LinSpaced(pieces + 1, c.x.minCoeff(), c.x.maxCoeff());
   fit.jacobian = Eigen::MatrixXd::Ones(c.x.size(), pieces + 1);
   const double width = fit.knot[1] - fit.knot[0];
+  // Column j + 1 rises from 0 to 1 over piece j and stays: q is what the force rises
+  // by.
   for (int j = 0; j < pieces; ++j) {
     fit.jacobian.col(j + 1) = (c.x - fit.knot[j]).max(0.0).min(width).matrix() / width;
   }
@@ -72,6 +74,7 @@ Pieces fit_pieces(const Contact& c, int pieces) {
   not_negative[0] = false;
   fit.q = solve_not_negative(fit.jacobian, c.f.matrix(), not_negative);
   fit.residual = c.f.matrix() - fit.jacobian * fit.q;
+  // From rises to slopes [N/m], in the Jacobian as well.
   fit.q.tail(pieces) /= width;
   fit.jacobian.rightCols(pieces) *= width;
   return fit;

@@ -27,7 +27,7 @@ double drift_max_n_per_m(const Approach& approach) {
          extent(approach.displacement_m);
 }
 
-// Up to where the force has risen by a share of its range; with what is told of it.
+// Up to where the force has risen by a share of its range; with what is known of it.
 Approach beginning_of(const Approach& approach, double share) {
   const std::vector<double> smooth = running_median(approach.force_n, 2);
   const auto [low, high] = std::minmax_element(smooth.begin(), smooth.end());

@@ -20,7 +20,7 @@ struct Stretch {
   bool still = false, deep = false;
 };
 
-// The hold that is told, and what else stands in the displacement.
+// The hold that is given, and what else stands in the displacement.
 std::vector<Stretch> stretches_of(const PressAndHold& m) {
   // The given hold goes before what is found: a found stretch that overlaps it is cut
   // in two.

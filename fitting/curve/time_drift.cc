@@ -43,7 +43,7 @@ Eigen::VectorXd forces(const Measurement& m, const FreeSamples& free) {
 }
 
 struct DriftLine {
-  Eigen::VectorXd q, sd;  // sd NaN where the columns cannot be told apart
+  Eigen::VectorXd q, sd;  // sd NaN where the columns depend on each other
 };
 
 DriftLine fit_line(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {

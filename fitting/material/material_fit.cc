@@ -44,7 +44,7 @@ ScaledMaterialCurve scaled_curve(const ResponseSweep& sweep,
   return result;
 }
 
-// Standard deviation that residuals would have if each told as little alone as they do
+// Standard deviation that residuals would have if each said as little alone as they do
 // together.
 double effective_sigma(const std::vector<double>& residual) {
   const Eigen::Map<const Eigen::VectorXd> r(residual.data(), std::ssize(residual));

@@ -119,6 +119,7 @@ FieldModel::FieldModel(const SurfaceMesh& mesh, std::vector<AttachedPoint> point
   power_[1] = operator_.stiffness;
   power_[2] = power_[1] * inverse_mass.asDiagonal() * power_[1];
   power_[3] = power_[2] * inverse_mass.asDiagonal() * power_[1];
+  // A: a row of area coordinates for each point.
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < point_.size(); ++i) {
     for (Eigen::Index c = 0; c < 3; ++c) {
