@@ -43,6 +43,8 @@ Profile profile_at(const ToolSurface& surface, double s) {
     const bool steep = edge.direction.x() < cosine;
     const Eigen::Vector2d along =
         steep ? Eigen::Vector2d(cosine, sine) : edge.direction;
+    // The ball's arc round an edge's base ends at base + ball times the edge's outward
+    // normal.
     const Eigen::Vector2d arc_end =
         edge.base_m + ball * Eigen::Vector2d(along.y(), -along.x());
     if (ball > 0.0 && s < arc_end.x()) {

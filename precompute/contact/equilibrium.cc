@@ -42,8 +42,8 @@ ElementBatches::Energy Equilibrium::elastic(const NearState& state) const {
   return energy;
 }
 
-// K^-1 corrected by directions that tangents before have told of: the inverse update of
-// limited memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
+// K^-1 corrected by directions of earlier tangents: the inverse update of limited
+// memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
 NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   // Known directions p_i with q_i = H p_i and rho_i = 1 / (p_i . q_i). Two loops: first
   // a_i = rho_i p_i . r, r -= a_i q_i, from the newest. Then z = K^-1 r and z += (a_i -
@@ -69,7 +69,7 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   return z;
 }
 
-// What told so far of tangents may hide directions in which the body is not at rest.
+// Directions of earlier tangents may hide others in which the body is not at rest.
 void Equilibrium::forget_tangents() {
   known_.clear();
   if (tangent_ != nullptr) {

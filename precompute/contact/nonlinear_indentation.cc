@@ -239,7 +239,7 @@ class Press {
            options_.newton_per_depth * static_cast<int>(steps_.size());
   }
 
-  // Where the body may give way to a side, as a sharp edge does, updates of the
+  // Where the body may yield to a side, as a sharp edge does, updates of the
   // multipliers chase one another. Stiff springs and few updates make the potential's
   // minimum itself the answer.
   void stiffen() {

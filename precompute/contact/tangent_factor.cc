@@ -55,6 +55,8 @@ NearState TangentFactor::solve(const Eigen::VectorXd& r) const {
     }
   }
   part_.solve(x);
+  // (K + D) u = r, D the near field's change of stiffness. u = K^-1 (r - D u): the
+  // pair's source is r - D u.
   NearState z{r, Eigen::VectorXd::Zero(r.size())};
   for (std::size_t i = 0; i < dof.size(); ++i) {
     if (dof[i] >= 0) {

@@ -68,6 +68,8 @@ class Descendants {
       ++last;
     }
     position_[d] = last;
+    // C = L_1 L_2^T: L_1 are d's rows from `first` on, L_2 those of them that are
+    // columns of s.
     const FactorKernels& kernels = factor_kernels();
     const std::ptrdiff_t m = (rows - first) * block_;
     const std::ptrdiff_t n = (last - first) * block_;
@@ -78,6 +80,7 @@ class Descendants {
     kernels.product(m, n, k, L, factor.rows(d), L, factor.rows(d), C, ldc, true,
                     C + ldc * n);
     const std::ptrdiff_t ld = factor.rows(s);
+    // s loses C where its own rows lie.
     for (std::int64_t j = first; j < last; ++j) {
       for (std::ptrdiff_t b = 0; b < block_; ++b) {
         const double* const from = C + ((j - first) * block_ + b) * ldc;

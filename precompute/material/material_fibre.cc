@@ -36,6 +36,7 @@ void check_moduli(const TransverseModuli& m) {
                     "and 1, both excluded",
                     m.poisson_tt));
   }
+  // The energy is positive where nu_lt^2 < (1 - nu_tt)/2 E_l/E_t (Lempriere 1968).
   const double limit =
       std::sqrt(0.5 * (1.0 - m.poisson_tt) * (m.youngs_along_pa / m.youngs_across_pa));
   if (!(std::abs(m.poisson_lt) < limit)) {

@@ -118,7 +118,7 @@ ClampedPart CutOutSolver::part(std::span<const std::int32_t> group,
                     taken.corner.begin()));
   }
   model.supports = scene_supports(scene_, model.mesh);
-  // Where the scene holds the cut it does not give way.
+  // Where the scene holds the cut, the cut does not move.
   std::copy_if(
       cut.begin(), cut.end(), std::back_inserter(part.cut), [&](std::int32_t node) {
         return model.supports.free_index[3 * static_cast<std::size_t>(node)] >= 0;

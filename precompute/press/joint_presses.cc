@@ -48,6 +48,7 @@ MergedGaps merged_gaps(const ContactSurface& surface, std::span<const std::int32
     for (std::size_t j = 0; j < patch.size(); ++j) {
       const auto from = static_cast<Eigen::Index>(j);
       const auto row = std::lower_bound(all.begin(), all.end(), patch[j]) - all.begin();
+      // A node that several tools may touch meets the nearest.
       if (gaps.distance_m[from] < merged.distance_m[row]) {
         merged.distance_m[row] = gaps.distance_m[from];
         merged.by_centre.row(row) = gaps.by_centre.row(from);

@@ -103,7 +103,7 @@ void cap_force(PressedNode& node, double force_max_n) {
       linear_ended && !node.indentation.force_capped && node.failure.empty();
 }
 
-// Springs that give way by g are felt as a tool that is g off its place.
+// Springs that deflect by g are felt as a tool that is g off its place.
 double give_error(double touch_m, double from_m, const NonlinearIndentation& result) {
   double largest = 0.0;
   for (const NonlinearSample& sample : result.sample) {
@@ -276,6 +276,8 @@ void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compli
 }  // namespace
 
 NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
+  // Tolerances go with the error budget, counted in 5 %. Force of power 1.5 in depth
+  // turns a relative deflection of the springs into 1.5 times that of the force.
   const double budgets = scene.force_relative / 0.05;
   const double share = std::min(1.0, budgets);
   NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),

@@ -16,7 +16,7 @@ constexpr int kWidenings = 2;
 constexpr double kWiderShare = 0.3;
 
 // All depths of a path that is hard to follow cost as much as many presses. They are
-// solved only where so many times the usual error would be told otherwise.
+// solved only where so many times the usual error would be stated otherwise.
 constexpr double kHardErrorTimes = 2.0;
 
 int count(std::span<const Attempt> tried, Reason reason) {

@@ -80,7 +80,8 @@ std::vector<std::vector<Forces>> presses(
   return force_n;
 }
 
-// Takes the place of nodes that no press tells of. @param row of each vertex; told.
+// Nodes that no press describes take the row of the nearest that one does. @param told
+// whether a press describes each vertex.
 void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> vertices,
                        const std::vector<bool>& told, Viscoelasticity& shares) {
   const float worst =

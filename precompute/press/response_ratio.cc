@@ -74,6 +74,7 @@ Indentation scaled(const Indentation& linear, const PathRatio& ratio,
     IndentationSample& sample = path.sample[k];
     const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
     const double force_n = sample.force_n.norm() * ratio.force[i];
+    // F = r |F_linear| (u + turn) / |u + turn|, u the linear force's direction.
     sample.force_n =
         force_n *
         (sample.force_n.normalized() + ratio.turn.row(i).transpose()).normalized();
