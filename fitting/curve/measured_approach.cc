@@ -95,6 +95,7 @@ void close_loop(const Measurement& m, std::size_t end, Approach& approach) {
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     squared_steps += (x[i + 1] - x[i]) * (x[i + 1] - x[i]);
   }
+  // Work by the trapezoidal rule has noise sd sqrt(sum of squared steps).
   const double noise_work = approach.noise_sd_n * std::sqrt(squared_steps);
   if (approach.release_work_j - approach.press_work_j >
       kWorkDeviations * noise_work + 1e-9 * std::abs(approach.press_work_j)) {

@@ -78,6 +78,8 @@ std::shared_ptr<const ContactFit> fit_beginning(const Approach& approach,
     if (!fit) {
       continue;
     }
+    // A beginning that the law may miss is passed over; its contact point is kept to
+    // compare.
     if (may_miss(fit->misfit, *share * extent(approach.force_n))) {
       others_m.assign({whole.contact_point_m, fit->contact_point_m});
       continue;

@@ -152,6 +152,8 @@ void TradeRun::choose_vertices() {
     }
   }
   const auto samples = static_cast<std::size_t>(options_.samples);
+  // A build solves `dense` of a cluster's vertices. Samples as dense as that need so
+  // many places; each takes its share from one neighbourhood of a cluster.
   const std::size_t dense =
       expected_samples(territory_.front().size(), scene_.force_relative);
   const std::size_t places =
@@ -289,6 +291,7 @@ void TradeRun::add_interpolated(const Scene& scene, const PressStrategy& strateg
       }
     }
   }
+  // Each vertex takes the ratio that all others predict, times its own linear press.
   const RatioModel ratios(field);
   Responses responses;
   for (const PressedNode& node : cheap.node) {

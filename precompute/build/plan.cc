@@ -278,6 +278,7 @@ void Planner::time_linear_on_own_meshes() {
       time_own_meshes("groups of linear presses on meshes of their own", groups, count,
                       strategy_.focus, false);
   if (strategy_.linear_is_full) {
+    // Where linear is all, presses outside the budget are made again, finer.
     const auto outside = std::ranges::count_if(error, [&](double e) {
       return kLeastErrorFactor * e > scene_.force_relative;
     });

@@ -57,6 +57,8 @@ class Press {
         touch_m_(touch_m),
         at_m_(touch_m),
         before_m_(touch_m) {
+    // Springs k_v = factor / C_vv: as stiff as the body under node v, times the factor
+    // [N/m].
     multipliers_.spring_n_per_m =
         options.spring_factor * compliance.diagonal().cwiseInverse();
     multipliers_.pressure_n = Eigen::VectorXd::Zero(contact_.nodes());

@@ -16,6 +16,8 @@ void add_blocks(const BlockMatrix& blocks, const std::vector<std::int64_t>& dof,
     const std::int64_t* const at = std::lower_bound(begin, end, row);
     K.valuePtr()[at - K.innerIndexPtr()] += value;
   };
+  // Free unknowns need not be numbered as near nodes are: an entry goes to the lower
+  // triangle, whichever of its ends has the larger number.
   blocks.for_each([&](std::int32_t a, std::int32_t b, const double* block) {
     for (std::size_t j = 0; j < 3; ++j) {
       for (std::size_t i = a == b ? j : 0; i < 3; ++i) {

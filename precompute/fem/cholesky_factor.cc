@@ -282,6 +282,8 @@ std::int64_t CholeskyFactor::factor_nonzeros() const {
 
 Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
   const std::vector<std::int32_t>& order = impl_->order;
+  // X = P^T (L L^T)^-1 P B, P the order of elimination; at most kSolveWidthMax columns
+  // at once.
   Eigen::MatrixXd X(B.rows(), B.cols());
   if (B.cols() == 1) {
     Eigen::VectorXd x = B.col(0)(order);

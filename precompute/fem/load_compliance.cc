@@ -31,6 +31,8 @@ struct SortedLoads {
   std::vector<Entry> entry;          // by rows, then by loads
 
   explicit SortedLoads(const LoadColumns& A) {
+    // Loads are numbered by their first rows, so that those which have begun come
+    // first.
     std::vector<std::pair<std::int32_t, Eigen::Index>> order;
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       auto row = std::numeric_limits<std::int32_t>::max();
@@ -137,6 +139,8 @@ class Elimination {
   }
 
   void assemble(std::ptrdiff_t s) {
+    // The front holds loads by rows of the supernode: the loads' own entries, and what
+    // the children's fronts have left.
     std::fill_n(front_.get(), ld_ * row_count(s), 0.0);
     for (std::size_t e = own_begin_; e < own_end_; ++e) {
       const Entry& entry = all_.entry[e];

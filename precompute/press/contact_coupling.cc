@@ -158,6 +158,7 @@ RowsOf<float> rows_of(const std::vector<BinnedColumn>& bins, double least_m2) {
   const auto knots = bins.front().sum.size();
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(knots);
   for (Eigen::Index k = 0; k < knots; ++k) {
+    // Mean over all columns, weighted by surface.
     double area = 0.0;
     for (const BinnedColumn& column : bins) {
       mean[k] += column.sum[k];

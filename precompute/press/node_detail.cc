@@ -105,6 +105,8 @@ Internal internal_forces(const BodyModel& model, const DeformedBody& body) {
     const Material& law =
         model.material[static_cast<std::size_t>(region_of(model.mesh, t))];
     const bool near = body.near[static_cast<std::size_t>(t)] != 0;
+    // Near tets dW/du, far tets K_e u at rest. Far forces balance about rest positions;
+    // about deformed ones they leave the moment sum u x f.
     const ElementVector f =
         near
             ? element_response(geometry, law, u).force_n

@@ -17,6 +17,8 @@ Eigen::VectorXd error_weights(const Indentation& path) {
   const double largest = path.sample.back().force_n.norm();
   Eigen::VectorXd weight(static_cast<Eigen::Index>(n));
   for (std::size_t k = 1; k <= n; ++k) {
+    // Errors count in full from a share of the last force on, below it in proportion to
+    // the force. At small penetrations they do not count.
     const double share = path.sample[k].force_n.norm() / largest;
     const bool counts =
         path.sample[k].penetration_m >= kErrorCountsFrom * path.sample[n].penetration_m;
@@ -52,6 +54,7 @@ std::optional<PathRatio> path_ratio(const Indentation& full,
                   .weight = error_weights(linear),
                   .hard_share = full.hard_path ? 1.0 : 0.0};
   for (Eigen::Index i = 0; i < samples; ++i) {
+    // A full path that ends early goes on with its last ratio.
     const std::size_t k =
         std::min(static_cast<std::size_t>(i) + 1, full.sample.size() - 1);
     const Eigen::Vector3d& full_n = full.sample[k].force_n;

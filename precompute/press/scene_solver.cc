@@ -304,6 +304,7 @@ PressedNode SceneSolver::reference(const SharedTool& tool, std::int32_t vertex,
   if (strategy_.cut_out) {
     return on_cut_outs(tool, {&vertex, 1}, kCutStep).front();
   }
+  // A reference solves other depths, with tighter tolerances, on a finer mesh.
   PressMode mode = full_mode(tool);
   mode.recipe = {.times_finer = times_finer, .depths = SolvedDepths::kBetween};
   NonlinearOptions& options = mode.options;
