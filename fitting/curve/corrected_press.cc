@@ -48,8 +48,7 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
     result.contact.flags.push_back(FitFlag::kTimeDriftRemoved);
   }
   // 2. The frame's deflection, in displacement. A second fit with a softer frame shows
-  //    what
-  //    the error of the frame's stiffness does.
+  //    what the error of the frame's stiffness does.
   result.moved = result.samples;
   if (frame != nullptr) {
     result.moved = moved_tip(result.samples, result.approach, *frame);

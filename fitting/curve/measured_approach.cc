@@ -312,8 +312,7 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
   Measurement turned = measurement;
   turn_signs(turned, approach);
   // 2. The approach ends at the largest displacement, or before at the force's peak
-  //    where
-  //    relaxation has taken over.
+  //    where relaxation has taken over.
   std::size_t end = approach_end(turned);
   approach.noise_sd_n = noise_standard_deviation(std::span(turned.force_n).first(end));
   end = before_relaxation(turned, end, approach.noise_sd_n);

@@ -232,8 +232,7 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
   } else {
     solution = solve(s.curve, starts, held, s.noise);
     // 2. Where free travel is given, too steep a drift is held at zero. Otherwise a
-    //    drift
-    //    stays only if free samples are left that show it.
+    //    drift stays only if free samples are left that show it.
     if (told_free(s.curve)) {
       if (drift_max && solution.model.baseline_slope > *drift_max) {
         held[kBaselineSlope] = true;

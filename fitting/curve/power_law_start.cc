@@ -132,8 +132,7 @@ std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
                                          std::optional<double> exponent,
                                          std::size_t count) {
   // 1. Contact points: by the ratio of variances, by the departure from the baseline,
-  //    and on
-  //    a grid over the travel.
+  //    and on a grid over the travel.
   const ScaledCurve thin = thinned(curve);
   std::vector<double> contacts = {ratio_of_variances(thin)};
   if (const auto late = deviation_from_baseline(thin)) {

@@ -55,8 +55,7 @@ Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::Vector
     }
     passive[static_cast<std::size_t>(best)] = true;
     // 2. The solution z of the joined set is taken, or as much of the way to z as
-    //    leaves no
-    //    value negative. Columns that reach zero leave the set.
+    //    leaves no value negative. Columns that reach zero leave the set.
     for (Eigen::Index inner = 0; inner <= p; ++inner) {
       const Eigen::VectorXd z = solve(members(passive));
       double share = 1.0;

@@ -233,8 +233,7 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
     }
   }
   // 3. An autoregression, at the price of order ln n in -2 ln likelihood. One of order
-  //    1
-  //    that is positive is among the grid.
+  //    1 that is positive is among the grid.
   if (kinds == SharedNoise::kAlsoRegression) {
     const Autoregression seen =
         autoregression_of(residual, std::min(kOrderMax, n / kSamplesPerOrder));
