@@ -77,9 +77,9 @@ void integrate(const QuadraticMesh& mesh, Eigen::Index face,
       ContactNode& node = *nodes[static_cast<std::size_t>(j)];
       node.area_m2 += weight;
       node.normal += weight * normal;
+      node.gap_points.push_back({corner * point.at, normal, weight});
       // Consistent load of a unit pressure with shape psi_j, inward: -integral of psi_j
       // N_a n. normalise() divides by the hat's area; the load is then that of 1 N.
-      node.gap_points.push_back({corner * point.at, normal, weight});
       for (int a = 0; a < 6; ++a) {
         add_nodal_force(node, mesh.surface(face, a), -weight * point.shape[a] * normal);
       }

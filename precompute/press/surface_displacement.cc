@@ -285,8 +285,7 @@ PressFields part_fields(const ClampedPart& part, const CoarseBody* rest,
   if (rest != nullptr && !part.cut.empty() && !pressed.empty()) {
     Eigen::MatrixXd pressure_n;
     // 2. The coarse body moves under the same pressures. Its motion at the cut carries
-    //    the
-    //    part along; vertices outside the part take it as it is.
+    //    the part along; vertices outside the part take it as it is.
     const std::vector<std::int32_t> touched = pressures_of(pressed, pressure_n);
     const Eigen::MatrixXd moved_m = rest->displaced_m(part, touched, pressure_n);
     X += rest->carried_m(part, moved_m);

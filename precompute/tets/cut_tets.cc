@@ -76,8 +76,7 @@ void CutTets::find_crossings(const In& in_part) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   // 3. Where the wall crosses each, by bisection to 2^-31 of the edge. An edge that the
-  //    wall
-  //    crosses several times has one of the crossings.
+  //    wall crosses several times has one of the crossings.
   crossing_.clear();
   for (const auto& [a, b] : edges) {
     double low = 0.0;
