@@ -141,7 +141,7 @@ JkrFit solve_jkr(const SinceJump& c, const Jkr& start) {
   return fit;
 }
 
-// Why a fit is not to be told; empty where it is.
+// Why a fit is not to be reported; empty where it is.
 std::string why_not(const JkrFit& fit, const Approach& approach,
                     const Adhesion& adhesion, double radius_m) {
   const double ratio = fit.pull_off_work_j_per_m2 / fit.work_j_per_m2;

@@ -153,7 +153,7 @@ ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> 
         weight * (all_of_it > 0.0 ? all_of_it / noise.long_run_variance() : 1.0);
   }
   if (first > 0) {
-    // Few free samples leave open how much noise there is: that is told by their
+    // Few free samples leave open how much noise there is: that is estimated by their
     // residuals as by the spline's share of all.
     const double open = std::max(0.0, squares - expected_ * expected_) +
                         std::pow(expected_sd_, 2) * static_cast<double>(r.size()) /

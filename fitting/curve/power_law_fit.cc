@@ -27,7 +27,7 @@ double drift_max_n_per_m(const Approach& approach) {
          extent(approach.displacement_m);
 }
 
-// Up to where the force has risen by a share of its range; with what is told of it.
+// Up to where the force has risen by a share of its range; with what is reported of it.
 Approach beginning_of(const Approach& approach, double share) {
   const std::vector<double> smooth = running_median(approach.force_n, 2);
   const auto [low, high] = std::minmax_element(smooth.begin(), smooth.end());
@@ -153,10 +153,10 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
                           ? free_until_m(approach, fit.beginning)
                           : std::nullopt;
   if (free_m) {
-    Approach told = approach;
-    told.contact_from_m = *free_m;
-    fit = fit_once(told, options, drift_max);
-    fit.beginning = fit_beginning(told, options, fit);
+    Approach limited = approach;
+    limited.contact_from_m = *free_m;
+    fit = fit_once(limited, options, drift_max);
+    fit.beginning = fit_beginning(limited, options, fit);
   }
   if (!fit.beginning && !options.exponent) {
     fit.beginning = fit_before_fall(approach, options);

@@ -20,7 +20,7 @@ struct Stretch {
   bool still = false, deep = false;
 };
 
-// The hold that is told, and what else stands in the displacement.
+// The hold that is given, and what else stands in the displacement.
 std::vector<Stretch> stretches_of(const PressAndHold& m) {
   std::vector<Stretch> still;
   for (const Segment& s : find_segments(m.displacement_m)) {

@@ -43,7 +43,7 @@ Eigen::VectorXd forces(const Measurement& m, const FreeSamples& free) {
 }
 
 struct DriftLine {
-  Eigen::VectorXd q, sd;  // sd NaN where the columns cannot be told apart
+  Eigen::VectorXd q, sd;  // sd NaN where the columns cannot be separated
 };
 
 DriftLine fit_line(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {
@@ -83,7 +83,8 @@ TimeDrift find_time_drift(const Measurement& measurement, const Approach& approa
   const Eigen::VectorXd f = forces(m, free);
   const DriftLine steady = fit_line(design(m, free, drift.seconds, false), f);
   if (!(steady.sd[2] < kTooUncertain * range(m.force_n))) {
-    drift.refused = "a drift with time cannot be told from one with displacement";
+    drift.refused =
+        "a drift with time cannot be distinguished from one with displacement";
     return drift;
   }
   if (!free.after.empty()) {

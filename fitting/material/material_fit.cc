@@ -44,8 +44,8 @@ ScaledMaterialCurve scaled_curve(const ResponseSweep& sweep,
   return result;
 }
 
-// Standard deviation that residuals would have if each told as little alone as they do
-// together.
+// Standard deviation that residuals would have if each held as little information alone
+// as they do together.
 double effective_sigma(const std::vector<double>& residual) {
   const Eigen::Map<const Eigen::VectorXd> r(residual.data(), std::ssize(residual));
   const double variance = long_run_variance(noises_of(Eigen::MatrixXd(r.size(), 0), r));

@@ -175,8 +175,8 @@ double variance_of(const std::vector<ProbableNoise>& noises) {
 
 // A variance that few independent samples tell makes 95 % intervals Student's: theirs
 // over the normal one (Cornish and Fisher). The slow part of an autoregression of order
-// p is told as by n / (2 p) of them (Berk 1974). Where white noise is probable too, the
-// mean over all noises has that already.
+// p is estimated as by n / (2 p) of them (Berk 1974). Where white noise is probable
+// too, the mean over all noises has that already.
 double widened(const std::vector<ProbableNoise>& noises, Eigen::Index n,
                Eigen::Index p) {
   if (white_among(noises)) {

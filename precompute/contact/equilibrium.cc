@@ -42,7 +42,7 @@ ElementBatches::Energy Equilibrium::elastic(const NearState& state) const {
   return energy;
 }
 
-// K^-1 corrected by directions that tangents before have told of: the inverse update of
+// K^-1 corrected by directions that tangents before have shown: the inverse update of
 // limited memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
 NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   Eigen::VectorXd rest = r;
@@ -66,7 +66,8 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   return z;
 }
 
-// What told so far of tangents may hide directions in which the body is not at rest.
+// What is known so far of tangents may hide directions in which the body is not at
+// rest.
 void Equilibrium::forget_tangents() {
   known_.clear();
   if (tangent_ != nullptr) {

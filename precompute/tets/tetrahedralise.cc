@@ -138,7 +138,7 @@ double under(const Points& position_m, const Triangles& triangle, Eigen::Index t
   return a.dot(b.cross(c));
 }
 
-// Islands are the body's, once their walls have told them from the cavities.
+// Islands are the body's, once their walls have separated them from the cavities.
 void join_islands(const Walls& walls, TetMesh& mesh) {
   const auto first = static_cast<std::int32_t>(walls.inner.size() - walls.islands) + 1;
   std::replace_if(

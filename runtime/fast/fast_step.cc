@@ -100,7 +100,7 @@ Vector3 advance_element(FastState& state, const Vector3& x, Real dt_s,
   command.in_contact = response.touching;
   command.extrapolated = response.extrapolated;
   command.starved = state.element.starved;
-  command.relaxed_shift_m = state.element.shift_m;
+  command.rest_offset_m = state.element.shift_m;
   return force_n(state.element, response);
 }
 
@@ -116,7 +116,7 @@ Vector3 advance_potential(FastState& state, const Vector3& x, Real dt_s,
   command.in_contact = response.touching;
   command.extrapolated = response.extrapolated;
   command.starved = state.potential.place.starved;
-  command.relaxed_shift_m = state.potential.shift_m;
+  command.rest_offset_m = state.potential.shift_m;
   return force;
 }
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 #include "runtime/memory/relaxation_step.h"
 #include "runtime/memory/yield_step.h"
 
