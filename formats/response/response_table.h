@@ -16,6 +16,7 @@
 #include "formats/mesh/surface_mesh.h"
 #include "formats/response/compliance_table.h"
 #include "formats/response/curve_view.h"
+#include "formats/response/puncture.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/tilt_line.h"
 #include "formats/response/tool_shape.h"
@@ -142,6 +143,7 @@ struct ResponseTable {
   DisplacementField displacement;
   ResponseRelaxation relaxation;  ///< what holds showed; not rendered
   Viscoelasticity viscoelasticity;
+  Puncture puncture;           ///< of a needle
   ComplianceTable compliance;  ///< how several contacts couple
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
