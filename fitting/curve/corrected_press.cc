@@ -39,11 +39,11 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
     result.contact = fit_contact(result.approach, {.noise_relative = noise_relative});
   };
   fit();
-  PressCorrections& told = result.corrections;
+  PressCorrections& corrections = result.corrections;
   // 1. Drift with time, from free samples, which the fit names. The fit is made again.
-  told.drift = find_time_drift(press, result.approach, result.contact);
-  if (told.drift.significant) {
-    take_off_drift(told.drift, result.approach, result.samples);
+  corrections.drift = find_time_drift(press, result.approach, result.contact);
+  if (corrections.drift.significant) {
+    take_off_drift(corrections.drift, result.approach, result.samples);
     fit();
     result.contact.flags.push_back(FitFlag::kTimeDriftRemoved);
   }
@@ -52,8 +52,8 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
   result.moved = result.samples;
   if (frame != nullptr) {
     result.moved = moved_tip(result.samples, result.approach, *frame);
-    told.frame = effect_of(*frame, result);
-    if (told.frame.share > kFrameShareMax) {
+    corrections.frame = effect_of(*frame, result);
+    if (corrections.frame.share > kFrameShareMax) {
       result.contact.flags.push_back(FitFlag::kFrameTakesMost);
     }
     if (frame->stiffness_sd_n_per_m > 0.0) {
@@ -65,8 +65,8 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
     }
   }
   // 3. Adhesion, of the forces without drift.
-  told.adhesion = find_adhesion(result.samples, result.approach, result.contact);
-  if (told.adhesion.seen()) {
+  corrections.adhesion = find_adhesion(result.samples, result.approach, result.contact);
+  if (corrections.adhesion.seen()) {
     result.contact.flags.push_back(FitFlag::kAdhesion);
   }
   return result;

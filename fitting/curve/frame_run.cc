@@ -147,8 +147,8 @@ FrameRun frame_of_run(const Measurement& measurement) {
   run.samples = static_cast<std::size_t>(samples.x.size());
   run.straight_rms_n = residual_rms(line.residual);
   // What was taken off for the baseline's slope is as uncertain as that.
-  const double told_sd = contact.parameters[1].sd;
-  const double slope_sd = std::isfinite(told_sd) ? told_sd : 0.0;
+  const double contact_sd = contact.parameters[1].sd;
+  const double slope_sd = std::isfinite(contact_sd) ? contact_sd : 0.0;
   if (pieces_fit_better(samples, line, pieces, run.force_max_n)) {
     if (contact.has(FitFlag::kAlreadyInContact) || !(pieces.q[1] > 0.0)) {
       throw InputError(

@@ -155,10 +155,10 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
                           ? free_until_m(approach, fit.beginning)
                           : std::nullopt;
   if (free_m) {
-    Approach told = approach;
-    told.contact_from_m = *free_m;
-    fit = fit_once(told, options, drift_max);
-    fit.beginning = fit_beginning(told, options, fit);
+    Approach limited = approach;
+    limited.contact_from_m = *free_m;
+    fit = fit_once(limited, options, drift_max);
+    fit.beginning = fit_beginning(limited, options, fit);
   }
   if (!fit.beginning && !options.exponent) {
     fit.beginning = fit_before_fall(approach, options);

@@ -84,7 +84,8 @@ TimeDrift find_time_drift(const Measurement& measurement, const Approach& approa
   // Free force = q0 + q1 x + q2 t, x and t scaled to 0 to 1 [N].
   const DriftLine steady = fit_line(design(m, free, drift.seconds, false), f);
   if (!(steady.sd[2] < kTooUncertain * range(m.force_n))) {
-    drift.refused = "a drift with time cannot be told from one with displacement";
+    drift.refused =
+        "a drift with time cannot be distinguished from one with displacement";
     return drift;
   }
   if (!free.after.empty()) {

@@ -90,9 +90,9 @@ LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
   problem.lower = Eigen::Vector4d(-kInf, -kInf, -kContactShare, 0.0);
   problem.upper = Eigen::Vector4d(kInf, kInf, kContactShare, kInf);
   // Contact is not looked for where the tool is known to be free.
-  const double told =
+  const double given =
       (approach.contact_from_m - start.contact_point_m) / curve.length_m;
-  problem.lower[kStart] = std::clamp(told, -kContactShare, 0.0);
+  problem.lower[kStart] = std::clamp(given, -kContactShare, 0.0);
   problem.held = {false, !start.parameters[kSlope].held.empty(), false, false};
   const double b0 = start.parameters[kForce].value, b1 = start.parameters[kSlope].value;
   const Eigen::Vector4d q0((b0 + b1 * start.contact_point_m) / curve.force_n,

@@ -272,9 +272,9 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
                          const Indenter& indenter) {
   const double exponent = exponent_of(indenter);
   const bool layer = on_a_layer(indenter);
-  const ContactFitOptions told{.exponent = exponent,
-                               .noise_relative = free.noise_relative};
-  const ContactFit fit = fit_contact(approach, told);
+  const ContactFitOptions given{.exponent = exponent,
+                                .noise_relative = free.noise_relative};
+  const ContactFit fit = fit_contact(approach, given);
   if (const std::string reason = reason_to_refuse(fit, layer); !reason.empty()) {
     return refused_modulus(reason);
   }
@@ -287,7 +287,7 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
     std::array<ContactFit, 2> other;
     std::array<double, 2> moved_pa{};
     for (std::size_t k = 0; k < 2; ++k) {
-      other[k] = fit_contact(bend->straight[k], told);
+      other[k] = fit_contact(bend->straight[k], given);
       if (other[k].has(FitFlag::kEmptyRun)) {
         return refused_modulus("a drift that bends may be all of the force");
       }

@@ -145,7 +145,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
   };
   flag_if(indentation.force_capped, kForceCapped);
   flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
-  flag_if(indentation.hard_path, kHardPath);
+  flag_if(indentation.near_singular, kNearSingular);
   flag_if(indentation.reaches_elsewhere, kErrorOverBudget);
   return response;
 }

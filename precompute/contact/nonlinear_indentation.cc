@@ -78,7 +78,7 @@ class Press {
         break;
       }
     }
-    result_.hard_path = stiff_ || was_cut_ || was_indefinite_;
+    result_.near_singular = stiff_ || was_cut_ || was_indefinite_;
     if (!result_.sample.empty()) {
       result_.far_excess_relative = far_excess_relative(near_tet_, displacement_m(),
                                                         result_.sample.back().energy_j);

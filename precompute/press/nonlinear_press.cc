@@ -163,7 +163,7 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
                  result.far_excess_relative,
                  give_error(path.front().penetration_m,
                             kErrorCountsFrom * path.back().penetration_m, result));
-  node.indentation.hard_path = result.hard_path;
+  node.indentation.near_singular = result.near_singular;
   if (!knots.empty()) {
     const RelativeCorrection correction(path.front().penetration_m, knots);
     for (IndentationSample& sample : path) {
@@ -256,7 +256,7 @@ void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compli
   node.linear = node.indentation;
   const PressedNode linear = node;
   Attempt first{.recipe = mode.recipe};
-  if (mode.options.depth_error_max == 0.0 || !is_guide(node.linear)) {
+  if (mode.options.depth_error_max == 0.0 || !is_predictor(node.linear)) {
     first.recipe.depths = SolvedDepths::kEvery;
   }
   node = pressed_by(model, compliance, linear, mode, first, noted);

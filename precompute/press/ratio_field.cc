@@ -186,7 +186,7 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
   for (Eigen::Index i = 0; i < off.rows(); ++i) {
     const RatioField::Known& known =
         field_.known()[with_ratio_[static_cast<std::size_t>(i)]];
-    const PathRatio told =
+    const PathRatio predicted =
         ratio_of((value_.leftCols(4 * depths) - off).row(i).transpose(), known.place);
     // off = ln(true ratio) - ln(predicted ratio): r - 1 = exp(-off) - 1.
     for (Eigen::Index k = 0; k < known.ratio->force.size(); ++k) {
@@ -195,7 +195,7 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
       const double off_by = reproducible::expm1(-off(i, k));
       const Eigen::RowVector3d linear =
           known.direction.row(std::min(k, known.direction.rows() - 1));
-      const double turned = ((linear + told.turn.row(k)).normalized() -
+      const double turned = ((linear + predicted.turn.row(k)).normalized() -
                              (linear + known.ratio->turn.row(k)).normalized())
                                 .norm();
       result.error[i] = std::max(

@@ -43,7 +43,7 @@ std::optional<Attempt> every_depth(std::span<const Attempt> tried,
                                    const PressPolicy& policy) {
   const Attempt& best = tried[last_taken(tried)];
   const double error_max =
-      (best.outcome.hard_path ? kHardErrorTimes : 1.0) * policy.depth_error_max;
+      (best.outcome.near_singular ? kHardErrorTimes : 1.0) * policy.depth_error_max;
   if (best.recipe.depths == SolvedDepths::kEvery ||
       count(tried, Reason::kBetweenDepths) > 0 ||
       !(best.outcome.between_error > error_max)) {
@@ -51,7 +51,7 @@ std::optional<Attempt> every_depth(std::span<const Attempt> tried,
   }
   Attempt every{.recipe = best.recipe, .reason = Reason::kBetweenDepths};
   every.recipe.depths = SolvedDepths::kEvery;
-  every.recipe.stiff = every.recipe.stiff || best.outcome.hard_path;
+  every.recipe.stiff = every.recipe.stiff || best.outcome.near_singular;
   return every;
 }
 

@@ -80,14 +80,14 @@ std::vector<std::vector<Forces>> presses(
   return force_n;
 }
 
-// Nodes that no press describes take the row of the nearest that one does. @param told
+// Nodes that no press describes take the row of the nearest that one does. @param known
 // whether a press describes each vertex.
 void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> vertices,
-                       const std::vector<bool>& told, Viscoelasticity& shares) {
+                       const std::vector<bool>& known, Viscoelasticity& shares) {
   const float worst =
       *std::max_element(shares.error_relative.begin(), shares.error_relative.end());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (told[i]) {
+    if (known[i]) {
       continue;
     }
     double nearest_m2 = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> ver
       const double distance_m2 = (body.surface.position_m.row(vertices[i]) -
                                   body.surface.position_m.row(vertices[j]))
                                      .squaredNorm();
-      if (told[j] && distance_m2 < nearest_m2) {
+      if (known[j] && distance_m2 < nearest_m2) {
         nearest_m2 = distance_m2;
         shares.g.row(vertices[i]) = shares.g.row(vertices[j]);
       }
@@ -132,7 +132,7 @@ Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> v
   shares.instantaneous = true;
   shares.g.setZero(nodes, static_cast<Eigen::Index>(tau_s.size()));
   shares.error_relative.assign(static_cast<std::size_t>(nodes), 0.0F);
-  std::vector<bool> told(vertices.size());
+  std::vector<bool> known(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     Eigen::VectorXd share(static_cast<Eigen::Index>(rate_per_s.size()));
     double squares = 0.0;
@@ -142,8 +142,8 @@ Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> v
       share[static_cast<Eigen::Index>(k)] = ratio.factor;
       squares += ratio.rms * ratio.rms / static_cast<double>(rate_per_s.size());
     }
-    told[i] = (share.array() > 0.0).all();
-    if (told[i]) {
+    known[i] = (share.array() > 0.0).all();
+    if (known[i]) {
       const FittedShares fit = fit_shares(tau_s, rate_per_s, share);
       shares.g.row(vertices[i]) = fit.g.cast<float>();
       // Misses of the fit over the rates, and of one number for all depths.
@@ -151,10 +151,10 @@ Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> v
           static_cast<float>(std::sqrt(fit.rms * fit.rms + squares));
     }
   }
-  if (!vertices.empty() && std::find(told.begin(), told.end(), true) == told.end()) {
+  if (!vertices.empty() && std::find(known.begin(), known.end(), true) == known.end()) {
     throw NumericalError("no linear press of the body tells how it relaxes");
   }
-  fill_from_nearest(body, vertices, told, shares);
+  fill_from_nearest(body, vertices, known, shares);
   fill_others(vertices, shares);
   return shares;
 }

@@ -30,7 +30,7 @@ Eigen::VectorXd error_weights(const Indentation& path) {
 
 }  // namespace
 
-bool is_guide(const Indentation& path) {
+bool is_predictor(const Indentation& path) {
   double largest = 0.0;
   for (const IndentationSample& sample : path.sample) {
     largest = std::max(largest, sample.force_n.norm());
@@ -45,14 +45,14 @@ bool is_guide(const Indentation& path) {
 
 std::optional<PathRatio> path_ratio(const Indentation& full,
                                     const Indentation& linear) {
-  if (!is_guide(full) || !is_guide(linear)) {
+  if (!is_predictor(full) || !is_predictor(linear)) {
     return std::nullopt;
   }
   const auto samples = static_cast<Eigen::Index>(linear.sample.size() - 1);
   PathRatio ratio{.force = Eigen::VectorXd(samples),
                   .turn = Eigen::MatrixX3d(samples, 3),
                   .weight = error_weights(linear),
-                  .hard_share = full.hard_path ? 1.0 : 0.0};
+                  .hard_share = full.near_singular ? 1.0 : 0.0};
   for (Eigen::Index i = 0; i < samples; ++i) {
     // A full path that ends early goes on with its last ratio.
     const std::size_t k =
@@ -72,7 +72,7 @@ Indentation scaled(const Indentation& linear, const PathRatio& ratio,
                    double force_max_n) {
   Indentation path = linear;
   path.force_capped = false;
-  path.hard_path = ratio.hard_share >= 0.5;
+  path.near_singular = ratio.hard_share >= 0.5;
   for (std::size_t k = 1; k < path.sample.size() && !path.force_capped; ++k) {
     IndentationSample& sample = path.sample[k];
     const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;

@@ -251,9 +251,9 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
                    [&](const Group& group) {
                      auto nodes =
                          press_on_own_mesh(scene_, body, tool, group, focus, mode);
-                     const bool good = mode.nonlinear == strategy_.nonlinear &&
-                                       mode.recipe.depths == SolvedDepths::kFew;
-                     if (watch_ && good) {
+                     const bool final_mode = mode.nonlinear == strategy_.nonlinear &&
+                                             mode.recipe.depths == SolvedDepths::kFew;
+                     if (watch_ && final_mode) {
                        watch_(tool, nodes);
                      }
                      return nodes;

@@ -109,12 +109,12 @@ PressFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
                       const std::function<PressFields(const Group&)>& fields,
                       Progress& progress) {
   std::vector<PressFields> of_block(block.size());
-  std::mutex told;
+  std::mutex progress_mutex;
   std::size_t done = 0;
   in_parallel(block.size(), [&](std::size_t i) {
     check_interrupted();
     of_block[i] = fields(block[i]);
-    const std::lock_guard lock(told);
+    const std::lock_guard lock(progress_mutex);
     progress.advance(++done, block.size(), "blocks");
   });
   return joined(of_block, vertices);
