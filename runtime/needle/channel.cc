@@ -39,9 +39,9 @@ const char* check(const PunctureRules& rules) noexcept {
     if (!is_force(m.friction_n_per_m) || !std::isfinite(m.friction_n_per_m)) {
       return "friction of a shaft must be finite and not negative";
     }
-  }
-  if (!(rules.static_ratio >= 1.0) || !std::isfinite(rules.static_ratio)) {
-    return "static friction of a shaft must be at least the kinetic one";
+    if (!(m.static_ratio >= 1.0) || !std::isfinite(m.static_ratio)) {
+      return "static friction of a shaft must be at least the kinetic one";
+    }
   }
   if (!(rules.shaft_n_per_m > 0.0) || !std::isfinite(rules.shaft_n_per_m)) {
     return "stiffness along a shaft must be finite and positive";
@@ -72,16 +72,19 @@ Real yield_n(const PunctureRules& rules, const Channel& channel) noexcept {
              : material_of(rules, channel, channel.layer + 1).membrane_n;
 }
 
-Real friction_n(const PunctureRules& rules, const Channel& channel,
-                Real inserted_m) noexcept {
-  // Phi = sum_k phi_k (length of the shaft in layer k)
-  Real sum = 0.0;
+ShaftFriction friction_of(const PunctureRules& rules, const Channel& channel) noexcept {
+  // Phi = sum_k phi_k (length of the shaft in layer k); static: rho_k phi_k.
+  ShaftFriction sum;
+  const Real inserted_m = channel.inserted_m;
   for (std::int32_t k = 0; k <= channel.layer; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const Real from = k == 0 ? Real(0.0) : channel.layers.depth_m[i];
     const Real to = k == channel.layer ? inserted_m : channel.layers.depth_m[i + 1];
-    sum += material_of(rules, channel, k).friction_n_per_m *
-           std::max(Real(0.0), std::min(to, inserted_m) - from);
+    const PunctureMaterial& material = material_of(rules, channel, k);
+    const Real part_n = material.friction_n_per_m *
+                        std::max(Real(0.0), std::min(to, inserted_m) - from);
+    sum.kinetic_n += part_n;
+    sum.static_n += material.static_ratio * part_n;
   }
   return sum;
 }
@@ -110,8 +113,8 @@ void settle(const PunctureRules& rules, Channel& channel, Real tip_m,
   if (channel.inserted_m > before_m) {
     channel.lateral_m *= before_m / channel.inserted_m;  // K y stays
   }
-  const Real kinetic_n = friction_n(rules, channel, channel.inserted_m);
-  const Real limit_n = channel.slips ? kinetic_n : rules.static_ratio * kinetic_n;
+  const auto [kinetic_n, static_n] = friction_of(rules, channel);
+  const Real limit_n = channel.slips ? kinetic_n : static_n;
   if (rules.shaft_n_per_m * std::abs(channel.shaft_m) > limit_n) {
     channel.shaft_m = std::copysign(kinetic_n / rules.shaft_n_per_m, channel.shaft_m);
     channel.slips = true;

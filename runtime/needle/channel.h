@@ -37,6 +37,7 @@ struct PunctureMaterial {
   Real membrane_n = 0.0;  ///< [N] >= 0 that breaks its boundary; infinite: none does
   Real cutting_n = 0.0;   ///< [N] >= 0 F_c = J w, toughness times width of the edge
   Real friction_n_per_m = 0.0;  ///< [N/m] >= 0 of the shaft, kinetic, per length
+  Real static_ratio = 1.0;      ///< [-] >= 1 static over kinetic friction
 };
 
 /// What a tool punctures, and how its shaft is held.
@@ -44,7 +45,6 @@ struct PunctureRules {
   std::int32_t materials = 0;  ///< [0, kPunctureMaterials]; 0: the tool is no needle
   std::array<PunctureMaterial, kPunctureMaterials> material{};
   bool by_energy = false;       ///< the first rupture asks the energy, not the force
-  Real static_ratio = 1.0;      ///< [-] >= 1 static over kinetic friction
   Real shaft_n_per_m = 0.0;     ///< [N/m] k_b > 0 before the shaft slips
   Real lateral_n_per_m2 = 0.0;  ///< [N/m^2] k' >= 0 across, per inserted length
   Real mouth_m = 0.0;  ///< [m] > 0 from the axis: there a tip finds the channel again
@@ -94,9 +94,13 @@ constexpr Real kShaftRestS = 0.1;
 /// boundary, else F_c.
 [[nodiscard]] Real yield_n(const PunctureRules& rules, const Channel& channel) noexcept;
 
-/// Kinetic friction of an inserted length [N], sum over layers.
-[[nodiscard]] Real friction_n(const PunctureRules& rules, const Channel& channel,
-                              Real inserted_m) noexcept;
+/// Friction of the inserted length [N], sum over layers.
+struct ShaftFriction {
+  Real kinetic_n = 0.0;
+  Real static_n = 0.0;
+};
+[[nodiscard]] ShaftFriction friction_of(const PunctureRules& rules,
+                                        const Channel& channel) noexcept;
 
 /// Energy of shaft and lateral spring [J].
 [[nodiscard]] Real held_j(const PunctureRules& rules, const Channel& channel) noexcept;

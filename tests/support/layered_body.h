@@ -22,10 +22,9 @@ inline constexpr double kStaticRatio = 1.3;
 inline PunctureRules layered_rules() {
   PunctureRules rules;
   rules.materials = 3;
-  rules.material[0] = {kSkinN, 0.5, 20.0};
-  rules.material[1] = {0.6, 0.2, 10.0};
-  rules.material[2] = {1.5, 0.4, 15.0};
-  rules.static_ratio = kStaticRatio;
+  rules.material[0] = {kSkinN, 0.5, 20.0, kStaticRatio};
+  rules.material[1] = {0.6, 0.2, 10.0, kStaticRatio};
+  rules.material[2] = {1.5, 0.4, 15.0, kStaticRatio};
   rules.shaft_n_per_m = kShaftNPerM;
   rules.lateral_n_per_m2 = 5e3;
   rules.mouth_m = 2.0 * kNeedleRadiusM;

@@ -170,7 +170,9 @@ TEST(NeedleStep, ASecondInsertionMeetsFrictionAloneWhereItHasBeen) {
 // Both works in closed form: to 30 mm and out.
 TEST(NeedleStep, WorksOfTwoInsertionsAreThoseOfTheModel) {
   PunctureRules rules = layered_rules();
-  rules.static_ratio = 1.0;
+  for (PunctureMaterial& material : rules.material) {
+    material.static_ratio = 1.0;
+  }
   rules.shaft_n_per_m = 1e5;  // slips at once
   Needle needle(rules);
   const double end_m = 0.025;
@@ -273,7 +275,7 @@ TEST(NeedleStep, WrongRulesAreSaid) {
   config.model = LocalModel::kElement;
   EXPECT_STREQ(check(config), "a needle needs the model potential or facets");
   config.model = LocalModel::kFacets;
-  config.puncture.static_ratio = 0.9;
+  config.puncture.material[0].static_ratio = 0.9;
   EXPECT_NE(check(config), nullptr);
   config.puncture = layered_rules();
   config.puncture.shaft_n_per_m = 0.0;
