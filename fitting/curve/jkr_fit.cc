@@ -102,13 +102,18 @@ LeastSquaresProblem problem_of(const SinceJump& c, const Jkr& start) {
       r[i] = (law.force(a) - c.f[k]) / size;
       if (jacobian != nullptr) {
         const bool least = !(a > law.least_a() * (1.0 + 1e-9));
-        const double slope = least ? 0.0 : law.force_by_a(a) / law.depth_by_a(a);
-        // By ln E and ln W at fixed d: dF/dq - slope dd/dq, both at fixed a. Pulls go
-        // with sqrt(W E) in force, and with sqrt(W / E) in depth.
-        jacobian->row(i) << -slope * length,
-            law.force_push(a) - 0.5 * law.force_pull(a) -
-                slope * 0.5 * law.depth_pull(a),
-            -0.5 * law.force_pull(a) + slope * 0.5 * law.depth_pull(a);
+        if (least) {
+          // Held at the least radius: F = -5/6 pi W R, whatever the depth.
+          jacobian->row(i) << 0.0, 0.0, law.force(a);
+        } else {
+          const double slope = law.force_by_a(a) / law.depth_by_a(a);
+          // By ln E and ln W at fixed d: dF/dq - slope dd/dq, both at fixed a. Pulls
+          // go with sqrt(W E) in force, and with sqrt(W / E) in depth.
+          jacobian->row(i) << -slope * length,
+              law.force_push(a) - 0.5 * law.force_pull(a) -
+                  slope * 0.5 * law.depth_pull(a),
+              -0.5 * law.force_pull(a) + slope * 0.5 * law.depth_pull(a);
+        }
         jacobian->row(i) /= size;
       }
     }
