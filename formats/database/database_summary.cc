@@ -42,7 +42,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
-  summary.hard_path = flagged(kHardPath);
+  summary.near_singular = flagged(kNearSingular);
   summary.depth_max_m = table.depth_max_m();
   summary.force_max_n = largest_of(table.force_n);
   summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
@@ -87,7 +87,7 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
-  summary.hard_path = flagged(kHardPath);
+  summary.near_singular = flagged(kNearSingular);
   summary.depth_max_m = largest_of(tool.depth_max_m);
   summary.force_max_n = largest_of(tool.force_max_n);
   summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 bool is_hard(const NodeResponse& response) {
-  return (response.flags & kHardPath) != 0;
+  return (response.flags & kNearSingular) != 0;
 }
 
 // (n) Whether a vertex is in an element with a hard one: so all of a place's estimates

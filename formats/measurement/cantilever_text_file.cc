@@ -25,7 +25,7 @@ constexpr const char* kJpkHeights[] = {"measuredHeight", "smoothedMeasuredHeight
 
 // What the comments above a segment's rows tell: "springConstant: 0.3".
 struct JpkText {
-  std::map<std::string, std::string> told;
+  std::map<std::string, std::string> given;
   Cells columns, units;
 
   [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const {
@@ -43,7 +43,7 @@ void take_comment(std::string_view line, JpkText& head) {
   }
   const std::string key(trimmed(line.substr(1, colon - 1)));
   const std::string value(trimmed(line.substr(colon + 1)));
-  head.told[key] = value;
+  head.given[key] = value;
   if (key == "columns") {
     head.columns = split_cells(value, ' ');
   } else if (key == "units") {
@@ -78,9 +78,9 @@ JpkColumns columns_of(const std::string& file, const JpkText& head) {
   at.force = *force;
   // depth = -height - F / k needs the force in newtons, and k.
   const auto newtons = force_unit_si(head.units[at.force]);
-  const auto told = head.told.find("springConstant");
+  const auto given = head.given.find("springConstant");
   const auto spring =
-      told == head.told.end() ? std::nullopt : parse_number(told->second, false);
+      given == head.given.end() ? std::nullopt : parse_number(given->second, false);
   if (!newtons || !spring || !(*spring > 0.0)) {
     throw InputError(fmt::format(
         "{}: the vertical deflection is in {}, {}: export the force in N, with the "
@@ -127,7 +127,7 @@ struct JpkRows {
     if (!known) {
       at = columns_of(file, head);
       known = true;
-      segments += (segments.empty() ? "" : ", ") + head.told["segment"];
+      segments += (segments.empty() ? "" : ", ") + head.given["segment"];
     }
     const Cells cells = split_cells(line.text, ' ');
     const double force_n = at.newtons * number_of_head(file, line, cells, at.force);
@@ -270,14 +270,14 @@ void take_way(const NanoScope& curve, const NanoScopeWay& at, Measurement& sampl
   }
 }
 
-bool told(const InstrumentRequest& request) {
-  return !request.told.depth.column.empty() || !request.told.force.column.empty();
+bool given(const InstrumentRequest& request) {
+  return !request.given.depth.column.empty() || !request.given.force.column.empty();
 }
 
 // What the flags say of the columns goes before the head.
 MeasurementFile by_flags(const std::filesystem::path& file,
                          const InstrumentRequest& request) {
-  return read_measurement(file, request.told, request.header_units);
+  return read_measurement(file, request.given, request.header_units);
 }
 
 }  // namespace
@@ -296,7 +296,7 @@ bool is_nanoscope_text(const std::filesystem::path&, std::string_view head) {
 
 MeasurementFile read_jpk_text(const std::filesystem::path& file, const InstrumentCurve&,
                               const InstrumentRequest& request) {
-  if (told(request)) {
+  if (given(request)) {
     return by_flags(file, request);
   }
   const std::string text = read_file(file);
@@ -325,7 +325,7 @@ MeasurementFile read_jpk_text(const std::filesystem::path& file, const Instrumen
 MeasurementFile read_nanoscope_text(const std::filesystem::path& file,
                                     const InstrumentCurve&,
                                     const InstrumentRequest& request) {
-  if (told(request)) {
+  if (given(request)) {
     return by_flags(file, request);
   }
   const NanoScope curve = read_head(file);

@@ -294,19 +294,19 @@ MeasurementFile read_mach1(const std::filesystem::path& file,
     throw FormatError(fmt::format("{}: line {}: the block <{}> holds no rows",
                                   file.string(), curve.line, curve.kind));
   }
-  MeasurementColumns columns = told_columns(curve, request);
+  MeasurementColumns columns = given_columns(curve, request);
   for (MeasurementColumn* column : {&columns.depth, &columns.force}) {
     column->unit = column->unit.empty() ? kUnitFromHeader : column->unit;
   }
-  if (!request.told.time &&
+  if (!request.given.time &&
       matching_columns(split_cells(lines.front().text, '\t'), "Time").size() != 1) {
     columns.time.reset();
   }
   MeasurementFile result =
       read_table(file.string(), lines, columns, request.header_units);
-  const bool told =
-      !request.told.depth.column.empty() || !request.told.force.column.empty();
-  if (curve.normal && !told) {
+  const bool given =
+      !request.given.depth.column.empty() || !request.given.force.column.empty();
+  if (curve.normal && !given) {
     project(file.string(), lines, *curve.normal, result);
   }
   return result;

@@ -174,10 +174,14 @@ RecordingHeader Reader::header() const {
 
 // Ours in every respect: nothing else is handed to HDF5 to interpret.
 Handle Reader::dataset(const Column& column) const {
-  if (hdf5::link_at(id_.get(), column.path) != hdf5::Link::kHard) {
+  const auto stored = [this](const char* path) {
+    return path != nullptr && hdf5::link_at(id_.get(), path) == hdf5::Link::kHard;
+  };
+  const char* path = stored(column.former) ? column.former : column.path;
+  if (!stored(path)) {
     fail(fmt::format("dataset {} is missing or a link to another", column.path));
   }
-  Handle opened(H5Dopen2(id_.get(), column.path, H5P_DEFAULT), H5Dclose);
+  Handle opened(H5Dopen2(id_.get(), path, H5P_DEFAULT), H5Dclose);
   const Handle type(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
   const Handle create(opened ? H5Dget_create_plist(opened.get()) : -1, H5Pclose);
   unsigned flags = 0;
@@ -281,7 +285,7 @@ bool all_finite(const TickRecord& tick) {
   // A pose is as measured: what the device said, even if that is no number.
   const std::array<double, 6> numbers{tick.depth_m,      tick.work_j,
                                       tick.stored_j,     tick.tank_j,
-                                      tick.dissipated_j, tick.relaxed_shift_m};
+                                      tick.dissipated_j, tick.rest_offset_m};
   const auto finite = [](double x) {
     return std::isfinite(x);
   };

@@ -46,7 +46,7 @@ void describe(const CoupledState& state, WrenchCommand& command) {
   const CoupledContacts& c = model.field.equilibrium;
   command.in_contact = model.loaded;
   command.scaled = c.scale < 1.0;
-  command.relaxed_shift_m = model.field.shift_m;
+  command.rest_offset_m = model.field.shift_m;
   command.carried_n =
       model.field.remembers ? model.field.carried_n.head(state.set.count).sum() : 0.0;
   for (int i = 0; i < state.set.count; ++i) {

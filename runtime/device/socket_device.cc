@@ -33,7 +33,7 @@ union Datagram {
 static_assert(sizeof(SocketHello) == 48 && sizeof(SocketState) == 80 &&
               sizeof(SocketTurnedState) == 112 && sizeof(SocketFarewell) == 256);
 
-// Whoever listens gets positions and is told forces: this user, or root.
+// Whoever listens gets positions and receives forces: this user, or root.
 void check_peer(int descriptor, const std::string& name) {
   if (const auto stranger = stranger_at(descriptor)) {
     ::close(descriptor);

@@ -31,6 +31,22 @@ bool yields_well(const NodeMemory& node) {
          node.soft_most < 1.0;
 }
 
+bool well_formed(const NodePuncture& node) {
+  if (node.layers < 0 || node.layers > static_cast<std::int32_t>(kPunctureLayers) ||
+      !(node.rupture >= 0.0)) {
+    return false;
+  }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(node.layers); ++k) {
+    const bool begins =
+        k == 0 ? node.depth_m[0] == 0.0 : node.depth_m[k] > node.depth_m[k - 1];
+    if (!begins || !std::isfinite(node.depth_m[k]) || node.material[k] < 0 ||
+        node.material[k] >= kPunctureMaterials) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
     const bool none = node.samples == 0;
@@ -40,7 +56,11 @@ bool well_formed(const Element& element) {
       return false;
     }
   }
-  return element.triangle >= 0 && well_formed(element.memory);
+  return element.triangle >= 0 && well_formed(element.memory) &&
+         std::all_of(element.puncture.begin(), element.puncture.end(),
+                     [](const NodePuncture& node) {
+                       return well_formed(node);
+                     });
 }
 
 // Same triangle, else empty (stored_at 0), else the oldest; not the pinned one.

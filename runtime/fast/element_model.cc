@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 #include "runtime/fast/element_walk.h"
 #include "runtime/memory/relaxation_step.h"
 #include "runtime/memory/yield_step.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 #include "runtime/memory/relaxation_step.h"
 #include "runtime/memory/yield_step.h"
 
@@ -301,6 +301,31 @@ void relax_before(PotentialModel& model, const ElementCache& cache,
                   SurfaceMemory& memory, PassivityLedger& ledger, Real tool_radius_m,
                   Real half_s) noexcept {
   relax_field(model, {cache, memory, &memory, tool_radius_m}, ledger, half_s);
+}
+
+void ask_at(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+            Real tool_radius_m, const Vector3& x_m) noexcept {
+  model.tool_m = x_m;
+  if (model.place.slot < 0) {
+    return;
+  }
+  const FieldView view{cache, memory, &memory, tool_radius_m};
+  follow(model.place, cache, x_m);
+  cache.pinned = model.place.slot;
+  model.response = respond_at_new_place(model, view);
+  if (model.contact.remembers) {
+    model.response.force_n =
+        whole_force_n(model.place, cache, model.contact, model.response);
+  }
+}
+
+void book_image(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const ElementModelLimits& limits) noexcept {
+  const Real held_j = model.response.energy_j + model.spring.energy_j();
+  if (held_j <= ledger.stored_j) {
+    book_yielding(ledger, held_j);
+  }
+  settle_field(model, {cache, memory, &memory, limits.tool_radius_m}, ledger, 0.0);
 }
 
 Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,

@@ -11,10 +11,11 @@ namespace palpate {
 
 OneContact::OneContact(const FastConfig& config, ElementSender& stream)
     : stream_(stream) {
-  if (const char* wrong = check(config)) {
+  state_.config = config;
+  state_.config.puncture = stream.puncture();
+  if (const char* wrong = check(state_.config)) {
     throw InputError(fmt::format("fast step: {}", wrong));
   }
-  state_.config = config;
 }
 
 bool OneContact::take_in(ArrivalRecord& arrival) noexcept {
@@ -85,9 +86,13 @@ std::optional<std::size_t> OneContact::serve(std::int64_t now_ns) {
 void OneContact::restart() noexcept {
   const FastConfig config = state_.config;
   kept_ = state_.memory.yielded;
+  NeedleState needle = state_.needle;
   std::construct_at(&state_);
   state_.config = config;
   state_.memory.yielded = kept_;
+  needle.active = -1;
+  std::for_each(needle.channel.begin(), needle.channel.end(), let_go);
+  state_.needle = needle;
   // What is under way is of the place before.
   while (exchange_->elements.front() != nullptr) {
     exchange_->elements.pop();

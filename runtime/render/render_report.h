@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/recording/surface_state.h"
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/realtime/step_histogram.h"
 
@@ -58,9 +58,9 @@ struct RenderReport {
   bool yields = false;            ///< the body leaves dents or softens
   double yielded_j = 0.0;         ///< [J] dissipated by it
   std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
-  std::vector<YieldedRow> surface;           ///< what has yielded, at the end
-  double relaxed_shift_max_m = 0.0;          ///< [m] most that the ledger had to take
-  std::optional<HungAccount> coupling = {};  ///< of a tool that hangs by one
+  std::vector<YieldedRow> surface;  ///< what has yielded, at the end
+  double rest_offset_max_m = 0.0;   ///< [m] most that the ledger had to take
+  std::optional<VirtualToolAccount> coupling = {};  ///< of a tool that hangs by one
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time
   Fault fault = Fault::kNone;

@@ -65,7 +65,7 @@ std::string energy_lines(const RenderReport& r) {
                           r.relaxes ? fmt::format(", dents {:.4g} mJ", r.memory_j * 1e3)
                                     : std::string())) +
          line("rest offset",
-              fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
+              fmt::format("at most {:.4g} mm", r.rest_offset_max_m * 1e3));
 }
 
 // What relaxed, and what of it has not recovered yet.
@@ -174,15 +174,15 @@ std::string served_lines(const ServedReport& s) {
   std::string text =
       line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} final",
                                   name(status.state), status.detail.empty() ? "" : ": ",
-                                  status.detail, status.progress.cheap,
-                                  status.progress.nodes, status.progress.good)) +
+                                  status.detail, status.progress.answered,
+                                  status.progress.nodes, status.progress.finished)) +
       line("in the body",
            fmt::format(
                "{:.3g} % of ticks without an answer, {:.3g} % with a preliminary "
                "one, "
                "{:.3g} % with a final one",
-               share(GrownQuality::kNone), share(GrownQuality::kCheap),
-               share(GrownQuality::kGood)));
+               share(GrownQuality::kNone), share(GrownQuality::kPreliminary),
+               share(GrownQuality::kFinal)));
   if (share(GrownQuality::kEstimated) > 0.0) {
     text += line("", fmt::format("{:.3g} % estimated from the material alone",
                                  share(GrownQuality::kEstimated)));

@@ -22,6 +22,7 @@ class Lent : public ElementSender {
                      ElementFifo& fifo) override {
     return to_.update(tool, now_ns, fifo);
   }
+  [[nodiscard]] PunctureRules puncture() const override { return to_.puncture(); }
 
  private:
   ElementSender& to_;

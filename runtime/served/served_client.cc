@@ -66,7 +66,7 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
       throw Interrupted();
     }
     if (Clock::now() > deadline) {
-      throw InputError(fmt::format("{}: no service has told a scene within {} s{}{}",
+      throw InputError(fmt::format("{}: no service has sent a scene within {} s{}{}",
                                    options_.socket.string(), kPatience.count(),
                                    status_.detail.empty() ? "" : ": ", status_.detail));
     }
@@ -76,7 +76,7 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   }
   if (!scene_known_) {
     throw InputError(
-        fmt::format("palpate-precompute serve ended {} before it told its scene; what "
+        fmt::format("palpate-precompute serve ended {} before it sent its scene; what "
                     "it said stands above",
                     ended_text(*ended_)));
   }

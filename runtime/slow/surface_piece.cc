@@ -7,6 +7,7 @@
 #include "formats/response/tool_support.h"
 #include "runtime/slow/chunk_choice.h"
 #include "runtime/slow/node_memory.h"
+#include "runtime/slow/node_puncture.h"
 
 namespace palpate {
 bool is_complete(const LoadedChunks& chunks, const LoadedChunk& chunk) {
@@ -158,6 +159,7 @@ Element SurfacePiece::element(std::int32_t row) const {
       message.memory.node[j] =
           node_memory(at.chunk->table.viscoelasticity, at.row, message.node[j]);
     }
+    message.puncture[j] = node_puncture(at.chunk->table.puncture, at.row, force_scale_);
     const std::int32_t across = search_->neighbours()(row, column);
     message.neighbour[j] =
         across < 0 ? -1 : source_triangle_[static_cast<std::size_t>(across)];
