@@ -1,14 +1,14 @@
 // A needle on the potential field: it punctures, cuts, is held by its channel, and
 // finds channels again (needle/channel.h).
 //
-// A tick of the fast step first moves the field's place to the image of the tip; then
-// the channel deepens, at a fixed tip; then the shaft moves and slips:
+// A tick has three parts. The field's place moves to the image of the tip. The channel
+// deepens, at a fixed tip. The shaft moves and slips.
 //
 //   seen = image_m(needle, x);   advance(potential model, seen);
 //   force = advance(rules, needle, potential model, .., x, ..);
 //
-// A tip whose channel is not deep yet has its image where it is: before a puncture
-// nothing differs from a tool that is no needle.
+// A tip without a channel has its image where it is. So before a puncture nothing
+// differs from a tool that is no needle.
 #pragma once
 
 #include <array>

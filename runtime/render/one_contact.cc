@@ -9,6 +9,25 @@
 
 namespace palpate {
 
+namespace {
+
+NeedleReport needle_report(const NeedleState& needle) {
+  NeedleReport r{.punctures = true,
+                 .channels = needle.channels,
+                 .broken = needle.broken,
+                 .refused = needle.refused,
+                 .crack_j = needle.crack_j,
+                 .released_j = needle.released_j,
+                 .shaft_j = needle.shaft_j};
+  for (std::int32_t i = 0; i < needle.channels; ++i) {
+    r.deepest_m = std::max<double>(r.deepest_m,
+                                   needle.channel[static_cast<std::size_t>(i)].depth_m);
+  }
+  return r;
+}
+
+}  // namespace
+
 OneContact::OneContact(const FastConfig& config, ElementSender& stream)
     : stream_(stream) {
   state_.config = config;
@@ -59,6 +78,9 @@ void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexce
 
 void OneContact::account(const WrenchCommand& command,
                          RenderReport& report) const noexcept {
+  if (is_needle(state_.config.puncture)) {
+    report.needle = needle_report(state_.needle);
+  }
   if (!remembers(state_.memory)) {
     return;
   }

@@ -60,6 +60,17 @@ nlohmann::json as_json(const ServedReport& served) {
           {"by_second", seconds}};
 }
 
+// Null of a tool that is no needle.
+nlohmann::json needle_json(const NeedleReport& n) {
+  if (!n.punctures) {
+    return nullptr;
+  }
+  return {{"channels", n.channels}, {"broken", n.broken},
+          {"refused", n.refused},   {"deepest_m", n.deepest_m},
+          {"crack_j", n.crack_j},   {"released_j", n.released_j},
+          {"shaft_j", n.shaft_j}};
+}
+
 // What the surface remembers, for a while and for good.
 nlohmann::json memory_json(const RenderReport& r) {
   const YieldedRow largest = largest_of(r.surface);
@@ -169,6 +180,7 @@ nlohmann::json as_json(const SimulationReport& report) {
   json.update(contacts_json(report));
   json.update(energy_json(r));
   json.update(memory_json(r));
+  json["needle"] = needle_json(r.needle);
   json.update(device_json(report));
   return json;
 }

@@ -114,6 +114,27 @@ std::string yielding_lines(const SimulationReport& report) {
   return text;
 }
 
+// What a needle broke, and where its work went.
+std::string needle_lines(const RenderReport& r) {
+  const NeedleReport& n = r.needle;
+  if (!n.punctures) {
+    return {};
+  }
+  std::string text =
+      line("needle", fmt::format("{} membranes broken, {} channels, {:.4g} mm deep",
+                                 n.broken, n.channels, n.deepest_m * 1e3)) +
+      line("  its work",
+           fmt::format("{:.4g} mJ cut, {:.4g} mJ released, {:.4g} mJ along the shaft",
+                       n.crack_j * 1e3, n.released_j * 1e3, n.shaft_j * 1e3));
+  if (n.refused > 0) {
+    text += line("  without room",
+                 fmt::format("{} ticks could not puncture, because {} channels are "
+                             "there already",
+                             n.refused, n.channels));
+  }
+  return text;
+}
+
 std::string timing_lines(const RenderReport& r) {
   std::string text =
       line("slow process",
@@ -298,7 +319,7 @@ std::string summary(const SimulationReport& report) {
   if (report.coupling) {
     text += line("  of the coupling", coupling_energy_text(*report.coupling));
   }
-  text += memory_lines(r) + yielding_lines(report) + timing_lines(r);
+  text += memory_lines(r) + yielding_lines(report) + needle_lines(r) + timing_lines(r);
   if (report.wire) {
     text += wire_lines("wire", *report.wire);
   }
