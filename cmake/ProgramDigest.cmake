@@ -6,7 +6,7 @@ file(GLOB sources RELATIVE ${DIR}
      ${DIR}/formats/base/*.* ${DIR}/formats/hdf5/*.* ${DIR}/formats/mesh/*.* ${DIR}/formats/response/*.*
      ${DIR}/formats/database/*.* ${DIR}/formats/scene/*.* ${DIR}/precompute/*/*.*
      ${DIR}/runtime/account/*.* ${DIR}/runtime/element/*.* ${DIR}/runtime/memory/*.*
-     ${DIR}/runtime/fast/*.* ${DIR}/runtime/slow/*.*)
+     ${DIR}/runtime/needle/*.* ${DIR}/runtime/fast/*.* ${DIR}/runtime/slow/*.*)
 list(FILTER sources INCLUDE REGEX "\\.(cc|h)$")
 list(FILTER sources EXCLUDE REGEX "^precompute/(command|serve)/")
 list(SORT sources)

@@ -39,11 +39,11 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
 
 // On stderr, at most twice a second, and at the end.
 std::function<void(std::size_t)> progress_of(std::size_t runs, bool quiet) {
-  auto told = std::chrono::steady_clock::now();
-  return [runs, quiet, told](std::size_t done) mutable {
+  auto printed = std::chrono::steady_clock::now();
+  return [runs, quiet, printed](std::size_t done) mutable {
     const auto now = std::chrono::steady_clock::now();
-    if (!quiet && (done == runs || now - told > std::chrono::milliseconds(500))) {
-      told = now;
+    if (!quiet && (done == runs || now - printed > std::chrono::milliseconds(500))) {
+      printed = now;
       fmt::print(stderr, "{} of {} runs\n", done, runs);
     }
   };

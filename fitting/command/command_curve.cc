@@ -96,8 +96,8 @@ void print_columns(const CurveResult& r, const CurveOptions& options) {
   fmt::print("{:<24} {}{}{}\n", "file", r.read.layout, r.read.press.empty() ? "" : ", ",
              r.read.press);
   fmt::print("{:<24} depth {}, force {}\n", "read",
-             named(r.read.measurement.depth_column, options.file.told.depth),
-             named(r.read.measurement.force_column, options.file.told.force));
+             named(r.read.measurement.depth_column, options.file.given.depth),
+             named(r.read.measurement.force_column, options.file.given.force));
   for (const std::string& note : r.read.measurement.notes) {
     fmt::print("{:<24} {}\n", "", note);
   }
@@ -179,7 +179,7 @@ void print_curve(const CurveResult& r, const CurveOptions& options,
 void run_curve(CurveOptions& options) {
   options.file.header_units =
       options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
-  options.file.told.time = told_time(options.machine);
+  options.file.given.time = given_time(options.machine);
   CurveResult result;
   result.read = read_curve_file(options.file);
   result.tip = take_tip(result.read, options.indenter);
@@ -213,14 +213,14 @@ void add_curve_command(Command app) {
           "Mach-1, Optics11, JPK, afmformats; recognised by what it holds")
       .required();
   const std::string by_header = "; default: as the header tells by its units";
-  command.add_option("--depth-column", options->file.told.depth.column,
+  command.add_option("--depth-column", options->file.given.depth.column,
                      "name or number" + by_header);
-  command.add_option("--depth-unit", options->file.told.depth.unit,
+  command.add_option("--depth-unit", options->file.given.depth.unit,
                      "m, cm, mm, um, nm, in; default: the header's");
-  command.add_option("--force-column", options->file.told.force.column,
+  command.add_option("--force-column", options->file.given.force.column,
                      "name or number" + by_header);
   command.add_option(
-      "--force-unit", options->file.told.force.unit,
+      "--force-unit", options->file.given.force.unit,
       "kN, daN, N, cN, mN, uN, nN, pN, gf, kgf, lbf; default: the header's");
   command.add_flag("--ignore-header-units", options->ignore_header_units,
                    "trust the flags where the header states other units");

@@ -31,9 +31,9 @@ const InstrumentCurve& chosen(const CurveFile& choice, const InstrumentFile& lis
 MeasurementFile read_or_ask(const InstrumentLayout& layout, const CurveFile& choice,
                             const InstrumentCurve& curve) {
   try {
-    return layout.read(choice.file, curve, {choice.told, choice.header_units, false});
+    return layout.read(choice.file, curve, {choice.given, choice.header_units, false});
   } catch (const InputError& error) {
-    if (!choice.told.depth.column.empty() && !choice.told.force.column.empty()) {
+    if (!choice.given.depth.column.empty() && !choice.given.force.column.empty()) {
       throw;
     }
     throw InputError(
@@ -47,7 +47,7 @@ std::optional<Measurement> read_timed(const InstrumentLayout& layout,
                                       const CurveFile& choice,
                                       const InstrumentCurve& curve) {
   try {
-    return layout.read(choice.file, curve, {choice.told, choice.header_units, true})
+    return layout.read(choice.file, curve, {choice.given, choice.header_units, true})
         .samples;
   } catch (const Error&) {
     return std::nullopt;
@@ -99,7 +99,7 @@ std::string take_tip(const CurveRead& read, IndenterOptions& options) {
   }
   if (options.shape.empty() &&
       (options.radius_m || options.half_angle_deg || options.height_m)) {
-    return "";  // told in part: the flags' own check says what is missing
+    return "";  // given in part: the flags' own check says what is missing
   }
   options.shape = "sphere";
   options.radius_m = read.tip_radius_m;

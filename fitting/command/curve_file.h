@@ -10,7 +10,7 @@ namespace palpate {
 
 struct CurveFile {
   std::string file;
-  MeasurementColumns told;  ///< empty texts: as the file tells
+  MeasurementColumns given;  ///< empty texts: as the file tells
   HeaderUnits header_units = HeaderUnits::kMustAgree;
   int press = kNoPress;  ///< number of the press; kNoPress: the file holds one
 

@@ -54,7 +54,7 @@ std::optional<FrameRun> frame_of(
   }
 }
 
-std::optional<MeasurementColumn> told_time(const MachineOptions& options) {
+std::optional<MeasurementColumn> given_time(const MachineOptions& options) {
   if (options.time.column.empty()) {
     if (!options.time.unit.empty()) {
       throw InputError("--time-unit goes with --time-column");

@@ -32,7 +32,8 @@ void add_machine_options(Command command, MachineOptions& options);
 
 /// The column of --time-column, its unit the header's where none is stated.
 /// @throws InputError for a unit without a column.
-[[nodiscard]] std::optional<MeasurementColumn> told_time(const MachineOptions& options);
+[[nodiscard]] std::optional<MeasurementColumn> given_time(
+    const MachineOptions& options);
 
 /// The press that --cycle names; of a single one all samples.
 /// @throws InputError for several without --cycle.

@@ -65,6 +65,7 @@ Adhesion find_adhesion(const Measurement& samples, const Approach& approach,
     return adhesion;
   }
   const std::vector<std::size_t> before = surely_free(free);
+  // The baseline's slope, known from free samples, is taken off the whole curve.
   const double slope = slope_n_per_m(m, before);
   std::vector<double> f = m.force_n;
   for (std::size_t i = 0; i < f.size(); ++i) {
@@ -79,6 +80,8 @@ Adhesion find_adhesion(const Measurement& samples, const Approach& approach,
   if (free.after.size() >= kFreeAfterMin) {
     zero_after = std::min(zero, median(of(f, free.after)));
   }
+  // Depth of the force below the baseline: on the approach (snap-in), and from its end
+  // on (pull-off). A median of three keeps single samples out.
   const std::vector<double> smooth = running_median(f, 1);
   for (std::size_t i = before.front(); i < smooth.size(); ++i) {
     double& deepest = i < approach.samples ? adhesion.snap_in_n : adhesion.pull_off_n;

@@ -21,7 +21,7 @@ struct Adhesion {
   double snap_in_n = 0.0;   ///< [N] the same during the approach
   double noise_n = std::numeric_limits<double>::quiet_NaN();
   ///< [N] standard deviation of the free samples' force about the baseline; NaN: no
-  ///< free samples, nothing is told
+  ///< free samples, nothing is reported
   double zero_n = 0.0, slope_n_per_m = 0.0;  ///< baseline before contact, signs turned
   bool pulls_off = false;  ///< the pull-off is beyond kAdhesionDeviations of noise
   bool snaps_in = false;

@@ -39,18 +39,21 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
     result.contact = fit_contact(result.approach, {.noise_relative = noise_relative});
   };
   fit();
-  PressCorrections& told = result.corrections;
-  told.drift = find_time_drift(press, result.approach, result.contact);
-  if (told.drift.significant) {
-    take_off_drift(told.drift, result.approach, result.samples);
+  PressCorrections& corrections = result.corrections;
+  // 1. Drift with time, from free samples, which the fit names. The fit is made again.
+  corrections.drift = find_time_drift(press, result.approach, result.contact);
+  if (corrections.drift.significant) {
+    take_off_drift(corrections.drift, result.approach, result.samples);
     fit();
     result.contact.flags.push_back(FitFlag::kTimeDriftRemoved);
   }
+  // 2. The frame's deflection, in displacement. A second fit with a softer frame shows
+  //    what the error of the frame's stiffness does.
   result.moved = result.samples;
   if (frame != nullptr) {
     result.moved = moved_tip(result.samples, result.approach, *frame);
-    told.frame = effect_of(*frame, result);
-    if (told.frame.share > kFrameShareMax) {
+    corrections.frame = effect_of(*frame, result);
+    if (corrections.frame.share > kFrameShareMax) {
       result.contact.flags.push_back(FitFlag::kFrameTakesMost);
     }
     if (frame->stiffness_sd_n_per_m > 0.0) {
@@ -61,8 +64,9 @@ CorrectedPress correct_press(const Measurement& press, const FrameCompliance* fr
           fit_contact(changed.approach, {.noise_relative = noise_relative});
     }
   }
-  told.adhesion = find_adhesion(result.samples, result.approach, result.contact);
-  if (told.adhesion.seen()) {
+  // 3. Adhesion, of the forces without drift.
+  corrections.adhesion = find_adhesion(result.samples, result.approach, result.contact);
+  if (corrections.adhesion.seen()) {
     result.contact.flags.push_back(FitFlag::kAdhesion);
   }
   return result;

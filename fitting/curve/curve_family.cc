@@ -97,6 +97,7 @@ class LinearExponential : public CurveFamily {
     if (d <= 0.0) {
       return {};
     }
+    // f = k d + A (e^(d/l) - 1), A = B / (e^(1/l) - 1).
     const double k = q[0], l = q[2], A = q[1] / std::expm1(1.0 / l);
     const double rise = std::expm1(d / l);
     return {k * d + A * rise, k + A * (rise + 1.0) / l,
@@ -107,6 +108,8 @@ class LinearExponential : public CurveFamily {
                 std::span<double> row) const override {
     std::fill(row.begin(), row.end(), 0.0);
     if (d > 0.0) {
+      // By l: d e^(d/l)/dl = -d/l^2 e^(d/l), in the numerator and (d = 1) in the
+      // denominator.
       const double l = q[2], end = std::expm1(1.0 / l), rise = std::expm1(d / l);
       row[0] = d;
       row[1] = rise / end;
@@ -191,6 +194,7 @@ class ConvexSpline : public CurveFamily {
  private:
   // The part of curvature j, -1 for the slope at 0.
   FamilyPoint basis(int j, double d) const {
+    // Past the last knot the curve goes on straight.
     if (d > 1.0) {
       const FamilyPoint end = basis(j, 1.0);
       const double on = d - 1.0;
@@ -200,6 +204,9 @@ class ConvexSpline : public CurveFamily {
     if (j < 0) {
       return {d, 1.0, 0.5 * d * d};
     }
+    // Ramps z = <d - knot> of weight 1/h, -2/h, 1/h make hat j of f''. Its integrals
+    // are z^2/2 (slope), z^3/6 (force) and z^4/24 (energy). Hat 0 is 1 less a ramp at
+    // first.
     const double h = 1.0 / intervals_;
     FamilyPoint part;
     const auto add = [&](double weight, double knot) {
@@ -254,6 +261,7 @@ class Cubic : public CurveFamily {
     if (d <= 0.0) {
       return;
     }
+    // By the forces at the knots, of the polygon through them.
     const auto above = std::upper_bound(depth_.begin(), depth_.end() - 1, d);
     const auto j = static_cast<std::size_t>(above - depth_.begin());
     const double t = (d - depth_[j - 1]) / (depth_[j] - depth_[j - 1]);

@@ -46,6 +46,9 @@ std::optional<CurveFeature> fall_of(const Curve& curve) {
 
 // The longest run of windows in which the force hardly rises or falls.
 std::optional<CurveFeature> plateau_of(const Curve& curve) {
+  // Rises are differences of force over a window. `mean` is the rise of a straight line
+  // from zero to the largest force. A plateau rises less, by kSlopeNoises of the noise
+  // at least.
   const double most = *std::max_element(curve.force.begin(), curve.force.end());
   const double mean =
       most * static_cast<double>(curve.window) /
@@ -156,6 +159,8 @@ std::optional<CurveFeature> find_clipped_force(std::span<const double> displacem
   if (force_n.empty()) {
     return std::nullopt;
   }
+  // The longest run of samples that equal the largest force. Equal neighbours elsewhere
+  // mean a coarse resolution, not a clipped force.
   const double most = *std::max_element(force_n.begin(), force_n.end());
   std::ptrdiff_t longest = 0, length = 0, end = 0, repeated = 0;
   for (std::ptrdiff_t i = 0; i < std::ssize(force_n); ++i) {

@@ -95,6 +95,8 @@ BinFit fit_bins(const FamilyData& data, std::string_view name, double contact,
     }
     force = isotonic(force, samples);
   }
+  // The cubic passes through (mean depth, mean force) of each bin; no force is
+  // negative.
   const auto p = std::ssize(force);
   fit.family = cubic_family(name, bins.depth);
   fit.q = Eigen::VectorXd::Zero(kFamilyShared + p);
@@ -175,11 +177,11 @@ std::pair<double, double> baseline_of(const FamilyData& data, double contact) {
 
 }  // namespace
 
-FamilySolution solve_bins(const FamilyData& told, std::string_view name,
+FamilySolution solve_bins(const FamilyData& given, std::string_view name,
                           double contact) {
   FamilySolution solution;
-  FamilyData data = told;
-  const auto [baseline, free_samples] = baseline_of(told, contact);
+  FamilyData data = given;
+  const auto [baseline, free_samples] = baseline_of(given, contact);
   data.baseline_force = baseline;
   const BinFit fit = adapted_bins(data, name, contact);
   const auto p = std::ssize(fit.bins.depth);

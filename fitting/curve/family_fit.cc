@@ -61,6 +61,7 @@ void take_inliers(const Approach& approach, const ContactFit& reference,
 FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
                        const ContactFit& reference) {
   FamilyData data;
+  // x = (displacement - contact point) / depth, f = force / its range.
   data.x_origin_m = reference.contact_point_m;
   data.length_m =
       *std::max_element(choice.displacement_m.begin(), choice.displacement_m.end()) -
@@ -75,6 +76,7 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
     const auto k = static_cast<std::size_t>(i);
     data.x[i] = (choice.displacement_m[k] - data.x_origin_m) / data.length_m;
     data.f[i] = choice.force_n[k] / data.force_n;
+    // Noise with a part in proportion to the force: weight = s / hypot(s, relative F).
     data.weight[i] =
         noise / std::hypot(noise, reference.noise_relative * choice.force_n[k]);
   }
@@ -84,6 +86,7 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
                  data.contact_min, 0.9);
   data.contact_held = reference.has(FitFlag::kAlreadyInContact);
   data.flat = data.contact_held || !reference.parameters[1].held.empty();
+  // Baseline b0 + b1 X of displacement X, in x: b0 + b1 x_origin and b1 L, over F.
   data.baseline_slope = reference.parameters[1].value * data.length_m / data.force_n;
   data.baseline_force = (reference.parameters[0].value +
                          reference.parameters[1].value * data.x_origin_m) /
@@ -122,6 +125,7 @@ FamilyParameter joint_parameter(const CurveFamily& family, Eigen::Index j) {
 // Scaled parameters and their covariance in SI units.
 void unscale_family(const FamilyData& data, const std::vector<std::string>& held,
                     FamilyFit& fit) {
+  // SI value = F^force_power L^length_power times the scaled one.
   const double F = data.force_n, L = data.length_m;
   for (Eigen::Index j = 0; j < fit.scaled.size(); ++j) {
     const FamilyParameter p = joint_parameter(*fit.curve, j);
@@ -143,6 +147,8 @@ void unscale_family(const FamilyData& data, const std::vector<std::string>& held
     }
     fit.parameters.push_back(out);
   }
+  // The baseline's force moves from x = 0 to displacement 0: b0 = F q0 - (F / L) origin
+  // q1.
   const double origin = data.x_origin_m;
   fit.parameters[0].value -= fit.parameters[1].value * origin;
   const Eigen::Vector2d to_zero(F, -F * origin / L);

@@ -30,6 +30,7 @@ bool falls_decisively(const std::vector<FamilyFit>& fits) {
 
 void rank_fits(FamilyChoice& choice) {
   const auto n = static_cast<double>(choice.force_n.size());
+  // AICc = D + 2 k n / (n - k - 1), BIC = D + k ln n, D the deviance.
   for (FamilyFit& fit : choice.fits) {
     const double k = fit.free_parameters;
     fit.aicc = n > k + 1.0 ? fit.deviance + 2.0 * k * n / (n - k - 1.0)

@@ -61,6 +61,8 @@ LeastSquaresProblem joint_problem(const FamilyData& data, const CurveFamily& fam
     problem.lower[j] = bound.lower;
     problem.upper[j] = bound.upper;
   }
+  // r_i = w_i (baseline + slope x_i + family(x_i - contact) - f_i), all parameters at
+  // once.
   problem.evaluate = [&data, &family](const Eigen::VectorXd& q,
                                       Eigen::Ref<Eigen::VectorXd> r,
                                       RowMajorMatrix* jacobian) {
@@ -120,6 +122,7 @@ void solve_joint(const FamilyData& data, double contact, bool contact_free,
                  const Eigen::VectorXd* warm, FamilySolution& solution) {
   const CurveFamily& family = *solution.family;
   Eigen::VectorXd start;
+  // 1. From all starts on thinned samples, unless a solution near is known.
   if (warm != nullptr) {
     start = *warm;
   } else {
@@ -132,6 +135,7 @@ void solve_joint(const FamilyData& data, double contact, bool contact_free,
     start = best.q;
     solution.iterations += best.iterations;
   }
+  // 2. From the best on all samples.
   LeastSquaresOptions options;
   options.tolerance = warm != nullptr ? 1e-8 : 1e-12;
   const LeastSquaresProblem problem = joint_problem(data, family, contact_free);
@@ -155,6 +159,8 @@ void solve_linear(const FamilyData& data, double contact, FamilySolution& soluti
     fill_row(family, q, data.x[i],
              {A.data() + i * A.cols(), static_cast<std::size_t>(A.cols())});
   }
+  // Baseline columns are free, those of the family not negative; the contact point is
+  // held.
   std::vector<int> columns{kFamilyForce};
   if (!data.flat) {
     columns.push_back(kFamilySlope);

@@ -30,7 +30,7 @@ struct FamilyData {
 struct FamilySolution {
   std::shared_ptr<const CurveFamily> family;
   Eigen::VectorXd q;              ///< (3 + p) scaled
-  Eigen::MatrixXd covariance;     ///< (3 + p) squared; NaN: cannot be told apart
+  Eigen::MatrixXd covariance;     ///< (3 + p) squared; NaN: cannot be separated
   std::vector<std::string> held;  ///< (3 + p) why a parameter was not free, or empty
   int free_parameters = 0;
   bool converged = false;

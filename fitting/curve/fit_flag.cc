@@ -40,7 +40,7 @@ constexpr Text kText[] = {
     {FitFlag::kParameterAtBound, "parameter_at_bound",
      "a parameter stopped at its bound and was held"},
     {FitFlag::kCovarianceNotAvailable, "covariance_not_available",
-     "the parameters cannot be told apart"},
+     "the parameters cannot be separated"},
     {FitFlag::kMisfit, "misfit",
      "the law misses the data by more than their noise: it is not the law"},
     {FitFlag::kHertzDepthExceeded, "hertz_depth_exceeded",

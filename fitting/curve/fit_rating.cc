@@ -21,6 +21,7 @@ double runs_z(const std::vector<double>& residuals) {
       runs += 1.0;
     }
   }
+  // Number of runs of one sign: mean 2 a b / n + 1, variance (m - 1)(m - 2) / (n - 1).
   const double n = above + below, expected = 2.0 * above * below / n + 1.0;
   const double variance = (expected - 1.0) * (expected - 2.0) / (n - 1.0);
   return variance > 0.0 ? (runs - expected) / std::sqrt(variance) : 0.0;
@@ -101,6 +102,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   if (!rating.gates.empty()) {
     return rating;
   }
+  // The gates before end the rating; each of those that follow halves the score.
   for (const FitFlag flag :
        {FitFlag::kAlreadyInContact, FitFlag::kContactPointNotIdentified,
         FitFlag::kForceRisesInHold, FitFlag::kNonMonotoneDepth,
@@ -120,6 +122,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   if (bound_matters(best)) {
     rating.gates.emplace_back(flag_name(FitFlag::kParameterAtBound));
   }
+  // Score: a product of 1 / (1 + excess / scale) times 2^-gates.
   const auto penalty = [](double excess, double scale) {
     return 1.0 / (1.0 + std::max(0.0, excess) / scale);
   };

@@ -46,6 +46,8 @@ double error_relative_of(const FamilyFit& fit, const NodeResponse& response) {
       *std::max_element(response.force_n.begin(), response.force_n.end());
   const Eigen::VectorXd log_sd = log_force_errors(fit, depth_m);
   const double missed = is_sure(fit.misfit, most) ? fit.misfit.missed_rms : 0.0;
+  // 95 % of hypot(sd, what the law misses) over the force; small forces count as a
+  // share of the largest.
   double worst = 0.0;
   for (int k = 0; k < kErrorDepths; ++k) {
     const double force = family_point(fit, depth_m[k]).force;

@@ -39,7 +39,7 @@ void check_left_over(const FrameCompliance& frame, const Measurement& m,
     throw InputError(fmt::format(
         "the frame takes the whole displacement: from {:.3g} N to {:.3g} N the machine "
         "moves {:.4g} m and a frame of {:.4g} N/m {:.4g} m; its stiffness must be more "
-        "than {:.4g} N/m, if displacement and force are in the units told",
+        "than {:.4g} N/m, if displacement and force are in the units stated",
         m.force_n[half] - free_n, most, moved, frame.stiffness_n_per_m, taken,
         frame.stiffness_n_per_m * taken / moved));
   }

@@ -65,6 +65,8 @@ Pieces fit_pieces(const Contact& c, int pieces) {
   fit.knot = Eigen::ArrayXd::LinSpaced(pieces + 1, c.x.minCoeff(), c.x.maxCoeff());
   fit.jacobian = Eigen::MatrixXd::Ones(c.x.size(), pieces + 1);
   const double width = fit.knot[1] - fit.knot[0];
+  // Column j + 1 rises from 0 to 1 over piece j and stays: q is what the force rises
+  // by.
   for (int j = 0; j < pieces; ++j) {
     fit.jacobian.col(j + 1) = (c.x - fit.knot[j]).max(0.0).min(width).matrix() / width;
   }
@@ -72,6 +74,7 @@ Pieces fit_pieces(const Contact& c, int pieces) {
   not_negative[0] = false;
   fit.q = solve_not_negative(fit.jacobian, c.f.matrix(), not_negative);
   fit.residual = c.f.matrix() - fit.jacobian * fit.q;
+  // From rises to slopes [N/m], in the Jacobian as well.
   fit.q.tail(pieces) /= width;
   fit.jacobian.rightCols(pieces) *= width;
   return fit;
@@ -144,8 +147,8 @@ FrameRun frame_of_run(const Measurement& measurement) {
   run.samples = static_cast<std::size_t>(samples.x.size());
   run.straight_rms_n = residual_rms(line.residual);
   // What was taken off for the baseline's slope is as uncertain as that.
-  const double told_sd = contact.parameters[1].sd;
-  const double slope_sd = std::isfinite(told_sd) ? told_sd : 0.0;
+  const double contact_sd = contact.parameters[1].sd;
+  const double slope_sd = std::isfinite(contact_sd) ? contact_sd : 0.0;
   if (pieces_fit_better(samples, line, pieces, run.force_max_n)) {
     if (contact.has(FitFlag::kAlreadyInContact) || !(pieces.q[1] > 0.0)) {
       throw InputError(

@@ -133,6 +133,7 @@ std::optional<DriftBend> bend_of_drift(const Approach& approach,
   if (!(x.maxCoeff() > x.minCoeff())) {
     return std::nullopt;
   }
+  // q[2] [N] is how much the law less the samples bends over half of the free travel.
   const Parabola p = parabola_through(x, r);
   const Eigen::VectorXd left = r - p.J * p.q;
   const double range = extent(approach.force_n), size = std::abs(p.q[2]);
@@ -140,6 +141,8 @@ std::optional<DriftBend> bend_of_drift(const Approach& approach,
   if (!(size > white_sd && size <= kWiggleShareMax * range)) {
     return std::nullopt;
   }
+  // The bend counts if it exceeds its noise, white and correlated, and leaves no
+  // misfit.
   const double sd =
       std::max(white_sd, std::sqrt(covariance_under_noise(
                              p.J, left, n, SharedNoise::kAlsoRegression)(2, 2)));
@@ -150,6 +153,8 @@ std::optional<DriftBend> bend_of_drift(const Approach& approach,
   DriftBend bend{{approach, approach}, size / sd, std::pow(white_sd / sd, 2)};
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
     const double at = (approach.displacement_m[i] - p.middle) / p.half;
+    // Two ways to go on in contact: the parabola itself, or its tangent from the last
+    // free sample on. Added to the force, either takes the bend off.
     bend.straight[0].force_n[i] += p.q[2] * at * at;
     bend.straight[1].force_n[i] += p.q[2] * (at > 1.0 ? 2.0 * at - 1.0 : at * at);
   }
@@ -168,6 +173,8 @@ double bend_sd(const DriftBend& bend, const ContactFit& fit,
     gain[k] = bend.independent * static_cast<double>(samples) *
               std::log(rms_n(fit) / rms_n(straight[k]));
   }
+  // sqrt((1 - 1/deviations^2) sum_k w_k moved_k^2 / sum w), w_k = exp(gain_k) the
+  // likelihood of way k over that of no bend.
   const double most = std::max({0.0, gain[0], gain[1]});
   // Of no bend: twice as likely as either way, and one parameter less.
   double weights = 2.0 * std::exp(1.0 - most);

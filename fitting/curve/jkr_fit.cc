@@ -89,6 +89,9 @@ LeastSquaresProblem problem_of(const SinceJump& c, const Jkr& start) {
   problem.upper = Eigen::Vector3d(0.5, 7.0, 7.0);
   const double length = c.x.back() - c.x.front();
   const double size = *std::max_element(c.f.begin(), c.f.end());
+  // F = 4 E a^3 / (3 R) - sqrt(8 pi W E a^3), d = a^2 / R - sqrt(2 pi W a / E), E
+  // reduced (Johnson, Kendall, Roberts 1971). a follows from d; slope = dF/dd = (dF/da)
+  // / (dd/da).
   problem.evaluate = [&c, start, length, size](const Eigen::VectorXd& q,
                                                Eigen::Ref<Eigen::VectorXd> r,
                                                RowMajorMatrix* jacobian) {
@@ -99,11 +102,18 @@ LeastSquaresProblem problem_of(const SinceJump& c, const Jkr& start) {
       r[i] = (law.force(a) - c.f[k]) / size;
       if (jacobian != nullptr) {
         const bool least = !(a > law.least_a() * (1.0 + 1e-9));
-        const double slope = least ? 0.0 : law.force_by_a(a) / law.depth_by_a(a);
-        jacobian->row(i) << -slope * length,
-            law.force_push(a) - 0.5 * law.force_pull(a) -
-                slope * 0.5 * law.depth_pull(a),
-            -0.5 * law.force_pull(a) + slope * 0.5 * law.depth_pull(a);
+        if (least) {
+          // Held at the least radius: F = -5/6 pi W R, whatever the depth.
+          jacobian->row(i) << 0.0, 0.0, law.force(a);
+        } else {
+          const double slope = law.force_by_a(a) / law.depth_by_a(a);
+          // By ln E and ln W at fixed d: dF/dq - slope dd/dq, both at fixed a. Pulls
+          // go with sqrt(W E) in force, and with sqrt(W / E) in depth.
+          jacobian->row(i) << -slope * length,
+              law.force_push(a) - 0.5 * law.force_pull(a) -
+                  slope * 0.5 * law.depth_pull(a),
+              -0.5 * law.force_pull(a) + slope * 0.5 * law.depth_pull(a);
+        }
         jacobian->row(i) /= size;
       }
     }
@@ -141,7 +151,7 @@ JkrFit solve_jkr(const SinceJump& c, const Jkr& start) {
   return fit;
 }
 
-// Why a fit is not to be told; empty where it is.
+// Why a fit is not reported; empty where it is.
 std::string why_not(const JkrFit& fit, const Approach& approach,
                     const Adhesion& adhesion, double radius_m) {
   const double ratio = fit.pull_off_work_j_per_m2 / fit.work_j_per_m2;
@@ -188,6 +198,7 @@ JkrFit fit_jkr(const Approach& approach, const Adhesion& adhesion, double radius
   if (!(depth > 0.0) || !(force > 0.0)) {
     return refused_jkr("the force never pushes");
   }
+  // Start: Hertz's law at the largest force, and W of the pull-off.
   const Jkr start{radius_m, 0.75 * force / (std::sqrt(radius_m) * std::pow(depth, 1.5)),
                   jkr_work_of_adhesion(adhesion.pull_off_n, radius_m)};
   JkrFit fit = solve_jkr(contact, start);

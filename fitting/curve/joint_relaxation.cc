@@ -72,6 +72,8 @@ Candidate fitted(const PressRows& rows, int nodes, int terms,
              .tau_max_s = kLengthsOfHold * rows.hold_s};
   c.model.emplace(first_rows(rows.all, rows.hold), c.shape);
   c.rows = static_cast<std::size_t>(rows.hold);
+  // Starts: a contact point well before the force has surely risen, and exponent 1.5.
+  // Terms share 0.6 of the force that stays; their times are shares of the hold.
   const double contact =
       std::min(0.7 * depth_at_rise(rows, kRise), 0.99 * c.shape.contact_max);
   std::vector<Eigen::VectorXd> starts;
@@ -104,6 +106,7 @@ Candidate chosen(std::vector<Candidate>& candidates) {
   for (const Candidate& c : candidates) {
     independent = std::max(independent, c.independent);
   }
+  // n ln(mean square) + p ln n, n the independent samples, p the parameters.
   const auto cost = [&](const Candidate& c) {
     const double mean = 2.0 * c.report.cost / static_cast<double>(c.rows);
     return independent * std::log(std::max(mean, 1e-16)) +
@@ -187,6 +190,9 @@ void take_terms(const PressRows& rows, const Candidate& c,
   const Eigen::Index K = c.shape.terms, at = c.model->ratio_at();
   const Eigen::VectorXd ratio = c.report.q.segment(at, K);
   const Eigen::VectorXd log_tau = c.report.q.segment(c.model->tau_at(), K);
+  // The model's ratios r_k are over the part that stays:
+  //   g_k = r_k / (1 + sum r),  g_inf = 1 / (1 + sum r)
+  //   sd(g_inf) = sd(sum r) / (1 + sum r)^2
   const double all = 1.0 + ratio.sum();
   const Eigen::MatrixXd of_ratio = covariance.block(at, at, K, K);
   const Eigen::MatrixXd of_terms = terms_covariance(c, covariance);
@@ -277,6 +283,7 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
   if (!result.refused.empty()) {
     return result;
   }
+  // 1. Rows of means, then the curve and the number of terms, of press and hold.
   const PressRows rows = rows_of(measured);
   Candidate best = chosen_model(rows);
   result.converged = best.report.converged;
@@ -284,7 +291,9 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
     result.refused = "the fit did not converge";
     return result;
   }
+  // 2. The release joins if the same model follows the release.
   add_release(rows, best, result);
+  // 3. Results with their errors.
   const Eigen::MatrixXd covariance =
       least_squares_covariance(best.model->problem(), best.report.q);
   take_terms(rows, best, covariance, result);

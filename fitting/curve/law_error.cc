@@ -53,6 +53,8 @@ Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit
     all.push_back(fit.parameters[0].value + fit.parameters[1].value * x_m +
                   law.at(x_m) - approach.force_n[i]);
   }
+  // sd of ln f at a depth: g^T C g with g = dln f/dq. C is the covariance of the
+  // parameters that the fit has left free, under correlated noise.
   const std::vector<std::size_t> used = without_outliers(all, limit_n);
   const auto rows = std::ssize(used);
   Eigen::MatrixXd J(rows, std::ssize(free));
@@ -92,6 +94,7 @@ Eigen::VectorXd log_force_errors(const FamilyFit& fit, const Eigen::VectorXd& de
     fit.curve->gradient({q.data(), count}, depth_m[k] / fit.length_m,
                         {gradient.data(), count});
     const FamilyPoint at = family_point(fit, depth_m[k]);
+    // A contact point that was given has no column in C: its error moves the curve.
     const double moved = given ? fit.contact_point_sd_m * at.slope : 0.0;
     const double shape = fit.force_n * std::sqrt(gradient.dot(C * gradient));
     const double error = std::hypot(shape, moved) / at.force;

@@ -14,7 +14,7 @@ namespace palpate {
 /// gradient by the free parameters. C is the covariance of baseline, drift, contact
 /// point, exponent and coefficient under the noise of the approach
 /// (covariance_under_noise). The depth counts from the fitted contact point, whose
-/// error is part of C. Infinite where the parameters cannot be told apart. What the law
+/// error is part of C. Infinite where the parameters cannot be separated. What the law
 /// surely misses of the approach counts as smooth noise.
 /// @param fit of this approach, not an empty run.
 [[nodiscard]] Eigen::VectorXd log_force_errors(const Approach& approach,

@@ -95,6 +95,7 @@ void close_loop(const Measurement& m, std::size_t end, Approach& approach) {
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     squared_steps += (x[i + 1] - x[i]) * (x[i + 1] - x[i]);
   }
+  // Work by the trapezoidal rule has noise sd sqrt(sum of squared steps).
   const double noise_work = approach.noise_sd_n * std::sqrt(squared_steps);
   if (approach.release_work_j - approach.press_work_j >
       kWorkDeviations * noise_work + 1e-9 * std::abs(approach.press_work_j)) {
@@ -306,9 +307,12 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
         fmt::format("the displacement is {} m in all {} samples: no travel",
                     measurement.depth_m.front(), measurement.depth_m.size()));
   }
+  // 1. Signs: pressing makes displacement and force grow.
   Approach approach;
   Measurement turned = measurement;
   turn_signs(turned, approach);
+  // 2. The approach ends at the largest displacement, or before at the force's peak
+  //    where relaxation has taken over.
   std::size_t end = approach_end(turned);
   approach.noise_sd_n = noise_standard_deviation(std::span(turned.force_n).first(end));
   end = before_relaxation(turned, end, approach.noise_sd_n);
@@ -320,6 +324,8 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
   if (goes_back(std::span(turned.depth_m).first(end), kHoldTolerance * travel)) {
     approach.flags.push_back(FitFlag::kNonMonotoneDepth);
   }
+  // 3. The frame's deflection. The range of the fit stays one of reported
+  //    displacements.
   const std::vector<double> reported_m = turned.depth_m;
   if (frame != nullptr) {
     take_off_deflection(*frame, end, turned);
@@ -328,6 +334,7 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
           std::max(approach.frame_deflection_m, reported_m[i] - turned.depth_m[i]);
     }
   }
+  // 4. Work of the loop, of all samples; then the samples of the approach in range.
   close_loop(turned, end - 1, approach);
   take_samples(turned, reported_m, end, range, approach);
   if (approach.force_n.size() < kSamplesMin) {

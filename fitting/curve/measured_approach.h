@@ -53,7 +53,7 @@ constexpr std::size_t kSamplesMin = 8;
 /// @param baseline displacements that are surely before contact: its end becomes
 /// contact_from_m.
 /// @param frame whose deflection is taken off the displacements; may be null. Approach,
-/// hold and range are told apart first, by the displacements that the machine reports.
+/// hold and range are separated first, by the displacements that the machine reports.
 /// @throws InputError for different counts of both, a value that is not finite, no
 /// travel, or an empty range. InputError too for fewer than kSamplesMin samples left or
 /// beyond the baseline, and as take_off_deflection().

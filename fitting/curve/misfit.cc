@@ -141,6 +141,8 @@ ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> 
   double squares = 0.0;  // of what the spline is expected to take
   for (auto& [noise, weight] : noises_) {
     noise.white = std::max(noise.white, std::numeric_limits<double>::min());
+    // Noise of covariance V in the k columns of Q: expected squares tr M, M = Q^T V Q,
+    // of variance 2 |M|^2.
     squares_.push_back(weighed_squares(noise, r));
     const Eigen::MatrixXd M = Q_.transpose() * times_covariance(noise, Q_);
     expected_ += weight * M.trace();
@@ -153,8 +155,8 @@ ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> 
         weight * (all_of_it > 0.0 ? all_of_it / noise.long_run_variance() : 1.0);
   }
   if (first > 0) {
-    // Few free samples leave open how much noise there is: that is told by their
-    // residuals as by the spline's share of all.
+    // Few free samples leave open how much noise there is: their residuals say it as
+    // the spline's share of all does.
     const double open = std::max(0.0, squares - expected_ * expected_) +
                         std::pow(expected_sd_, 2) * static_cast<double>(r.size()) /
                             static_cast<double>(first);
@@ -175,6 +177,8 @@ ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> 
 }
 
 double ResidualNoise::deviance(std::span<const double> residual) const {
+  // -2 ln of sum_i w_i exp(-(S_i - S_i of the noise's own residuals) / 2), S_i = r^T
+  // V_i^-1 r.
   const Eigen::VectorXd r = averaged(residual);
   std::vector<double> logs;
   for (std::size_t i = 0; i < noises_.size(); ++i) {
@@ -191,6 +195,7 @@ double ResidualNoise::deviance(std::span<const double> residual) const {
 
 Misfit ResidualNoise::misfit(std::span<const double> residual) const {
   const Eigen::VectorXd r = averaged(residual);
+  // What the spline takes of the residuals beyond what it takes of noise alone.
   const double more = (Q_.transpose() * r).squaredNorm() - expected_;
   Misfit misfit{.noise_sd = noise_sd_, .long_run_sd = std::sqrt(long_run_variance_)};
   misfit.missed_rms = std::sqrt(std::max(0.0, more) / static_cast<double>(r.size()));

@@ -27,7 +27,7 @@ double drift_max_n_per_m(const Approach& approach) {
          extent(approach.displacement_m);
 }
 
-// Up to where the force has risen by a share of its range; with what is told of it.
+// Up to where the force has risen by a share of its range; with what is known of it.
 Approach beginning_of(const Approach& approach, double share) {
   const std::vector<double> smooth = running_median(approach.force_n, 2);
   const auto [low, high] = std::minmax_element(smooth.begin(), smooth.end());
@@ -78,6 +78,8 @@ std::shared_ptr<const ContactFit> fit_beginning(const Approach& approach,
     if (!fit) {
       continue;
     }
+    // A beginning that the law may miss is passed over; its contact point is kept to
+    // compare.
     if (may_miss(fit->misfit, *share * extent(approach.force_n))) {
       others_m.assign({whole.contact_point_m, fit->contact_point_m});
       continue;
@@ -153,10 +155,10 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
                           ? free_until_m(approach, fit.beginning)
                           : std::nullopt;
   if (free_m) {
-    Approach told = approach;
-    told.contact_from_m = *free_m;
-    fit = fit_once(told, options, drift_max);
-    fit.beginning = fit_beginning(told, options, fit);
+    Approach limited = approach;
+    limited.contact_from_m = *free_m;
+    fit = fit_once(limited, options, drift_max);
+    fit.beginning = fit_beginning(limited, options, fit);
   }
   if (!fit.beginning && !options.exponent) {
     fit.beginning = fit_before_fall(approach, options);
@@ -205,6 +207,7 @@ bool explain_by_bend(const DriftBend& bend, const ContactFitOptions& options,
     if (!is_fitted(other[k])) {
       return false;
     }
+    // How far the contact point moves if the bend is taken off in either way.
     moved_m[k] = other[k].contact.m - fit.contact.m;
   }
   const auto best = static_cast<std::size_t>(other[1].rms_n < other[0].rms_n);
@@ -216,6 +219,7 @@ bool explain_by_bend(const DriftBend& bend, const ContactFitOptions& options,
   if (!is_known(fit) && !fit.has(FitFlag::kContactPointNotIdentified)) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
+  // A sure bend replaces the misfit: without the bend the law follows.
   if (bend.is_sure()) {
     fit.misfit = other[best].misfit;
     fit.free_to_m = other[best].free_to_m;

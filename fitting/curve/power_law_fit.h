@@ -65,7 +65,7 @@ struct ContactFit {
   /// (5 x 5) of the parameters in their units, rows of held ones zero; NaN: unknown
   Eigen::MatrixXd covariance;
   double seconds = 0.0;         ///< [s] wall time
-  double noise_relative = 0.0;  ///< [-] as told
+  double noise_relative = 0.0;  ///< [-] as given
   /// Where the law surely misses the curve: the same law for as much of its beginning
   /// as the law does not miss. The beginning is up to 40, 15 or 5 % of the force; null
   /// where the law misses all

@@ -54,6 +54,9 @@ std::string reason_held(const PowerLawSolution& solution, int parameter,
 void unscale(const ScaledApproach& s, const PowerLawSolution& solution,
              const ContactFitOptions& options, ContactFit& fit) {
   const ContactModel& m = solution.model;
+  // b0 + b1 x + K (x - c)^p over force_n, with x = (X - x_min) / L, in SI units:
+  //   b1' = b1 F / L,  b0' = b0 F - b1' x_min,  c' = x_min + c L,  K' = K F / L^p
+  // J holds the derivatives of b0', b1', c', p and K'; F = force_n, L = length_m.
   const double b1 = m.baseline_slope * s.force_n / s.length_m;
   const double K = m.coefficient * s.force_n / std::pow(s.length_m, m.exponent);
   using Matrix = Eigen::Matrix<double, kContactParameters, kContactParameters>;

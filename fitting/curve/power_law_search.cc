@@ -78,7 +78,7 @@ PowerLawSolution solve(const ScaledCurve& curve,
 }
 
 // Whether somebody has said that there is free travel, enough to tell a drift.
-bool told_free(const ScaledCurve& curve) {
+bool has_given_free_range(const ScaledCurve& curve) {
   return std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
            return x < curve.contact_min;
          }) >= static_cast<std::ptrdiff_t>(kFreeSamplesMin);
@@ -196,7 +196,7 @@ ScaledApproach scale_approach(const Approach& approach, double noise_relative) {
       std::max(0.0, (approach.contact_from_m - s.x_min_m) / s.length_m);
   // A drift is expected within kDriftShareMax: that decides where a short free travel
   // cannot tell it from contact, and is lost among the samples where it can.
-  if (!told_free(s.curve)) {
+  if (!has_given_free_range(s.curve)) {
     s.curve.drift_weight = approach.noise_sd_n / s.force_n / kDriftShareMax;
   }
   s.noise = approach.noise_sd_n / s.force_n;
@@ -222,6 +222,7 @@ bool is_empty(const Approach& approach) {
 PowerLawSolution search_power_law(const ScaledApproach& s,
                                   std::optional<double> exponent,
                                   std::optional<double> drift_max) {
+  // 1. Starts by linear fits on a grid; without one, contact from the first sample on.
   HeldParameters held{};
   held[kExponent] = exponent.has_value();
   const auto starts = contact_starts(s.curve, exponent, kStarts);
@@ -230,7 +231,9 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
     solution = solve_from_first_sample(s, exponent);
   } else {
     solution = solve(s.curve, starts, held, s.noise);
-    if (told_free(s.curve)) {
+    // 2. Where free travel is given, too steep a drift is held at zero. Otherwise a
+    //    drift stays only if free samples are left that show it.
+    if (has_given_free_range(s.curve)) {
       if (drift_max && solution.model.baseline_slope > *drift_max) {
         held[kBaselineSlope] = true;
         solution = solve(s.curve, flat_starts(starts), held, s.noise);
@@ -239,6 +242,7 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
       solution = solve_without_drift(s, exponent, drift_max, starts, solution);
     }
   }
+  // 3. Without samples in contact the law starts at the first sample.
   if (!reaches_contact(s, solution)) {
     solution = solve_from_first_sample(s, exponent);
   }

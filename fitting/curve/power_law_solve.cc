@@ -38,6 +38,8 @@ Eigen::VectorXd as_vector(const ContactModel& m) {
 
 LeastSquaresProblem contact_problem(const ScaledCurve& curve,
                                     const HeldParameters& held) {
+  // r_i = w_i (b0 + b1 x_i + K <x_i - c>^p - f_i). With drift_weight a last residual
+  // expects no drift: r = drift_weight b1.
   LeastSquaresProblem problem;
   const bool weighed = curve.drift_weight > 0.0;
   problem.residuals = static_cast<int>(curve.x.size()) + (weighed ? 1 : 0);

@@ -50,7 +50,7 @@ struct ContactSolveReport {
 
 /// Covariance of the parameters at a plain least-squares solution, under the noise of
 /// its residuals (least_squares_covariance); rows and columns of held ones are zero.
-/// (5 x 5); all NaN where the free parameters cannot be told apart.
+/// (5 x 5); all NaN where the free parameters cannot be separated.
 [[nodiscard]] Eigen::Matrix<double, kContactParameters, kContactParameters>
 contact_covariance(const ScaledCurve& curve, const ContactModel& model,
                    const HeldParameters& held, SharedNoise kinds = SharedNoise::kRough);

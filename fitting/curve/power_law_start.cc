@@ -51,6 +51,7 @@ double power(double d, double p) {
 
 // Linear least squares for the three linear parameters at a given contact and exponent.
 RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent) {
+  // Normal equations of b0 + b1 x + K <x - contact>^exponent; cost f^T f - q^T A^T f.
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double squares = 0.0;
@@ -130,6 +131,8 @@ double ratio_of_variances(const ScaledCurve& curve) {
 std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
                                          std::optional<double> exponent,
                                          std::size_t count) {
+  // 1. Contact points: by the ratio of variances, by the departure from the baseline,
+  //    and on a grid over the travel.
   const ScaledCurve thin = thinned(curve);
   std::vector<double> contacts = {ratio_of_variances(thin)};
   if (const auto late = deviation_from_baseline(thin)) {
@@ -141,6 +144,8 @@ std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
   for (double& contact : contacts) {
     contact = std::max(contact, curve.contact_min);
   }
+  // 2. The linear parameters at each contact point and exponent; only rising laws
+  //    count.
   std::vector<RankedModel> ranked;
   for (const double contact : contacts) {
     for (const double candidate : kExponents) {
@@ -156,6 +161,7 @@ std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
     return a.cost < b.cost;
   });
+  // 3. The best whose contact points are apart.
   std::vector<ContactModel> starts;
   for (const RankedModel& next : ranked) {
     const bool apart =

@@ -42,6 +42,8 @@ CycleSummary summarise(const Measurement& press, const FrameCompliance* frame) {
   }
   cycle.contact_point_m = fit.contact.m;
   cycle.contact_point_sd_m = fit.contact.sd_m;
+  // Forces from the fitted baseline, so that the loop's works are those of contact
+  // alone.
   const Approach approach =
       select_approach(above_baseline(press, raw, fit), {}, {}, frame);
   cycle.peak_force_n =
@@ -50,6 +52,7 @@ CycleSummary summarise(const Measurement& press, const FrameCompliance* frame) {
     cycle.press_work_j = work_j(approach);
     return cycle;
   }
+  // Loss factor: (W_press - W_release) / (pi (W_press + W_release)).
   cycle.press_work_j = approach.press_work_j;
   cycle.loss_j = approach.press_work_j - approach.release_work_j;
   cycle.loss_factor =

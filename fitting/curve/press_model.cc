@@ -40,6 +40,8 @@ PressModel::PressModel(const PressSamples& samples, const Shape& shape)
   std::vector<double> t, u;
   for (Eigen::Index i = 0; i < samples.depth.size(); ++i) {
     const double step = i > 0 ? samples.depth[i] - samples.depth[i - 1] : 0.0;
+    // Steps of more than kStepMax are cut, evenly in time and depth: the convolution
+    // takes the elastic force for straight between rows.
     const int parts =
         std::clamp(static_cast<int>(std::abs(step) / kStepMax) + 1, 1, 64);
     for (int k = 1; k <= parts && i > 0; ++k) {
@@ -61,6 +63,8 @@ PressModel::PressModel(const PressSamples& samples, const Shape& shape)
 Eigen::MatrixXd PressModel::basis(const Eigen::VectorXd& depth, double contact,
                                   double exponent) const {
   Eigen::MatrixXd columns(depth.size(), coefficients());
+  // Power law <u - contact>^exponent, or integrals of hats: with coefficients that are
+  // not negative their sum rises, with a continuous slope.
   if (shape_.nodes == 0) {
     columns.col(0) = (depth.array() - contact).max(0.0).pow(exponent);
     return columns;
@@ -104,6 +108,8 @@ Eigen::MatrixXd PressModel::at_samples(const Eigen::MatrixXd& fine) const {
 
 void PressModel::evaluate(const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
                           RowMajorMatrix* jacobian) const {
+  // f = q0 + a + sum_k r_k (a - q_k), a(u) the slow force and q_k its relaxed part
+  // (quasi_linear.h). r_k is the ratio of term k to what stays.
   const Eigen::Index J = coefficients();
   const double exponent = shape_.nodes == 0 ? q[contact_at() + 1] : 0.0;
   const bool wanted = jacobian != nullptr;
@@ -123,6 +129,7 @@ void PressModel::evaluate(const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> 
     if (wanted) {
       jacobian->col(ratio_at() + k) = at_samples(kept.col(0));
       const Eigen::MatrixXd a = signals.col(0);
+      // By ln tau: a central difference, -r_k dq_k / dln tau.
       jacobian->col(tau_at() + k) =
           at_samples(relaxed_force(time_s_, a, tau * std::exp(-kDifference)) -
                      relaxed_force(time_s_, a, tau * std::exp(kDifference))) *
@@ -171,6 +178,8 @@ Eigen::VectorXd PressModel::start(double contact, double exponent,
   for (Eigen::Index k = 0; k < shape_.terms; ++k) {
     through += ratio[k] * (phi - relaxed_force(time_s_, phi, tau_s[k]));
   }
+  // At given contact point, exponent and terms the model is linear in the baseline and
+  // the curve's coefficients.
   Eigen::MatrixXd columns(force_.size(), 1 + phi.cols());
   columns << Eigen::VectorXd::Ones(force_.size()), at_samples(through);
   columns.array().colwise() *= weight_.array();
@@ -193,6 +202,7 @@ Eigen::VectorXd PressModel::instantaneous(const Eigen::VectorXd& q,
   const double exponent = shape_.nodes == 0 ? q[contact_at() + 1] : 0.0;
   const Eigen::MatrixXd phi = basis(depth, q[contact_at()], exponent);
   const Eigen::VectorXd slow = phi * q.segment(1, coefficients());
+  // A sudden press has relaxed nothing: f = (1 + sum r_k) a.
   const double times = 1.0 + q.segment(ratio_at(), shape_.terms).sum();
   if (jacobian != nullptr) {
     jacobian->setZero(depth.size(), parameters());

@@ -20,8 +20,10 @@ struct Stretch {
   bool still = false, deep = false;
 };
 
-// The hold that is told, and what else stands in the displacement.
+// The hold that is given, and what else stands in the displacement.
 std::vector<Stretch> stretches_of(const PressAndHold& m) {
+  // The given hold goes before what is found: a found stretch that overlaps it is cut
+  // in two.
   std::vector<Stretch> still;
   for (const Segment& s : find_segments(m.displacement_m)) {
     if (s.kind == SegmentKind::kHold || s.kind == SegmentKind::kDwell) {
@@ -38,6 +40,7 @@ std::vector<Stretch> stretches_of(const PressAndHold& m) {
   std::sort(still.begin(), still.end(), [](const Stretch& a, const Stretch& b) {
     return a.begin < b.begin;
   });
+  // What lies between is in motion.
   std::vector<Stretch> all;
   std::size_t at = 0;
   for (const Stretch& s : still) {
@@ -111,6 +114,8 @@ PressRows rows_of(const PressAndHold& m) {
   scale(rows);
   for (Eigen::Index i = 0; i < rows.all.weight.size(); ++i) {
     const Stretch& g = groups[static_cast<std::size_t>(i)];
+    // Root of the row's samples over the mean: squares of means then count as of
+    // samples.
     rows.all.weight[i] =
         std::sqrt(static_cast<double>((g.end - g.begin) * groups.size()) /
                   static_cast<double>(n));
@@ -118,6 +123,7 @@ PressRows rows_of(const PressAndHold& m) {
     rows.moving += g.begin < m.hold_begin && !g.still ? 1 : 0;
     rows.hold += g.begin < m.hold_end ? 1 : 0;
   }
+  // Seconds of the press in motion: until the hold, less what stands.
   rows.moving_s = m.time_s[m.hold_begin] - m.time_s.front();
   for (const Stretch& s : stretches) {
     if (!s.still) {

@@ -42,6 +42,8 @@ void append_moves(std::span<const double> x, std::size_t begin, std::size_t end,
   if (begin >= end) {
     return;
   }
+  // A turn counts where the motion has come back by `turn` from its last extreme; the
+  // segment ends at that extreme. direction 0 means that no turn has been seen.
   const std::size_t before = begin > 0 ? begin - 1 : begin;
   std::size_t low = before, high = before, start = begin;
   int direction = 0;
@@ -104,6 +106,8 @@ std::vector<Segment> find_segments(std::span<const double> x) {
   }
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   const double shallowest = *low, travel = *high - *low;
+  // The fewest samples of a hold are a share of those in motion. Those are known only
+  // after a first count of what stands.
   const std::size_t still =
       still_samples(x, kStill * travel, least_of(static_cast<double>(x.size())));
   const std::size_t least = least_of(static_cast<double>(x.size() - still));

@@ -43,7 +43,7 @@ Eigen::VectorXd forces(const Measurement& m, const FreeSamples& free) {
 }
 
 struct DriftLine {
-  Eigen::VectorXd q, sd;  // sd NaN where the columns cannot be told apart
+  Eigen::VectorXd q, sd;  // sd NaN where the columns depend on each other
 };
 
 DriftLine fit_line(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {
@@ -81,12 +81,15 @@ TimeDrift find_time_drift(const Measurement& measurement, const Approach& approa
     return drift;
   }
   const Eigen::VectorXd f = forces(m, free);
+  // Free force = q0 + q1 x + q2 t, x and t scaled to 0 to 1 [N].
   const DriftLine steady = fit_line(design(m, free, drift.seconds, false), f);
   if (!(steady.sd[2] < kTooUncertain * range(m.force_n))) {
-    drift.refused = "a drift with time cannot be told from one with displacement";
+    drift.refused =
+        "a drift with time cannot be distinguished from one with displacement";
     return drift;
   }
   if (!free.after.empty()) {
+    // A fourth column is 1 after the retract: a step there is no steady drift.
     const DriftLine leap = fit_line(design(m, free, drift.seconds, true), f);
     if (std::abs(leap.q[3]) > kDriftDeviations * leap.sd[3]) {
       drift.leaps = true;

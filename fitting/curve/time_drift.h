@@ -3,7 +3,7 @@
 //   F = b0 + b1 x + c t    while the tool touches nothing
 //
 // Symbols: F force [N], x displacement [m], t time [s]. A drift with time and one with
-// displacement are told apart by free samples before contact and after the retract. A
+// displacement are separated by free samples before contact and after the retract. A
 // dwell before the approach tells them apart, too. The baseline of the force law (b0 +
 // b1 x) cannot take in c t. The retract's part would be counted as loss, and holds as
 // relaxation.
@@ -29,7 +29,7 @@ struct TimeDrift {
 constexpr double kDriftDeviations = 4.0;
 
 /// Refused without time, with fewer than 10 free samples, and where displacement and
-/// time cannot be told apart. Refused where the baseline leaps between approach and
+/// time cannot be separated. Refused where the baseline leaps between approach and
 /// retract. A leap is more than kDriftDeviations standard deviations from what a steady
 /// drift explains.
 [[nodiscard]] TimeDrift find_time_drift(const Measurement& measurement,

@@ -76,6 +76,7 @@ double largest(const std::vector<double>& values) {
 
 // q: force at full depth, exponent, lambda in units of the fastest speed.
 void fit_hunt_crossley(const Motion& motion, const ContactFit& fit, LoopFit& loop) {
+  // F = K d^p (1 + lambda v) (Hunt, Crossley 1975), with d / D, v / V and F / F_max.
   const double D = largest(motion.depth_m), V = largest(motion.speed_m_per_s);
   const double F = largest(motion.force_n);
   if (motion.depth_m.size() < kHoldSamplesMin || !(V > 0.0) || !(F > 0.0)) {
@@ -265,6 +266,8 @@ Relaxation fit_relaxation(std::span<const double> time_s,
     f.push_back(force_n[i] / force_n.front());
   }
   result.end_over_start = f.back();
+  // f = q0 + q1 exp(-t / tau1) + q2 exp(-t / tau2), t over the hold, f over the first
+  // force.
   const LeastSquaresProblem problem = relaxation_problem(t, f);
   std::vector<Eigen::VectorXd> starts;
   const double drop = std::max(0.0, 1.0 - f.back());
@@ -278,6 +281,7 @@ Relaxation fit_relaxation(std::span<const double> time_s,
   options.tolerance = 1e-12;
   auto report = solve_from_starts(problem, starts, options);
   const Eigen::MatrixXd covariance = least_squares_covariance(problem, report.q);
+  // Shares of the sum at t = 0, the faster term first.
   const int first = report.q[3] <= report.q[4] ? 0 : 1;
   const double start = report.q.head<3>().sum();
   result.force_n = start * force_n.front();
@@ -300,6 +304,7 @@ Relaxation find_relaxation(const Measurement& m) {
     none.refused = "no time column";
     return none;
   }
+  // Compression is made positive: the tool starts nearer to the free end of its travel.
   std::vector<double> x = m.depth_m;
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   if (x.front() - *low > *high - x.front()) {
@@ -318,6 +323,7 @@ Relaxation find_relaxation(const Measurement& m) {
     none.refused = "the force does not fall while held";
     return none;
   }
+  // The hold from its largest force on; before, the tip still moves.
   Relaxation found = fit_relaxation(std::span(m.time_s).subspan(peak, count),
                                     std::span(m.force_n).subspan(peak, count));
   found.speed_m_per_s = press_speed_m_per_s(x, m.time_s, segments, longest.begin);

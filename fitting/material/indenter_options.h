@@ -9,7 +9,7 @@
 namespace palpate {
 
 struct IndenterOptions {
-  std::string shape;  ///< of kIndenterShapes but "unknown"; empty: not told
+  std::string shape;  ///< of kIndenterShapes but "unknown"; empty: not given
   std::optional<double> radius_m, half_angle_deg, height_m, thickness_m;
   double poissons_ratio = 0.5;
   // Standard deviations, for the modulus' interval.

@@ -20,6 +20,7 @@ double force_per_modulus(const Indenter& sphere, double depth_m) {
   if (!(depth_m > 0.0)) {
     return 0.0;
   }
+  // 4/3 sqrt(R) d^1.5 / (1 - nu^2) times the layer's factor at chi = sqrt(R d) / h.
   const double nu = sphere.poissons_ratio, R = sphere.radius_m;
   const double chi = std::sqrt(R * depth_m) / sphere.thickness_m;
   return 4.0 / 3.0 / (1.0 - nu * nu) * std::sqrt(R) * std::pow(depth_m, 1.5) *
@@ -76,6 +77,9 @@ LayerCurve scaled(const Approach& approach, const ContactFit& start,
 LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
                              const Indenter& indenter) {
   const LayerCurve curve = scaled(approach, start, indenter);
+  // r_i = b0 + b1 x_i + E f(x_i - start) - f_i. x is counted from the power law's
+  // contact point in depths, E over the modulus that gives the largest force at depth
+  // 1.
   LeastSquaresProblem problem;
   problem.residuals = problem.in_a_row = static_cast<int>(curve.x.size());
   problem.evaluate = [&curve](const Eigen::VectorXd& q,
@@ -85,9 +89,10 @@ LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
   };
   problem.lower = Eigen::Vector4d(-kInf, -kInf, -kContactShare, 0.0);
   problem.upper = Eigen::Vector4d(kInf, kInf, kContactShare, kInf);
-  const double told =
+  // Contact is not looked for where the tool is known to be free.
+  const double given =
       (approach.contact_from_m - start.contact_point_m) / curve.length_m;
-  problem.lower[kStart] = std::clamp(told, -kContactShare, 0.0);
+  problem.lower[kStart] = std::clamp(given, -kContactShare, 0.0);
   problem.held = {false, !start.parameters[kSlope].held.empty(), false, false};
   const double b0 = start.parameters[kForce].value, b1 = start.parameters[kSlope].value;
   const Eigen::Vector4d q0((b0 + b1 * start.contact_point_m) / curve.force_n,

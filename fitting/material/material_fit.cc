@@ -44,7 +44,7 @@ ScaledMaterialCurve scaled_curve(const ResponseSweep& sweep,
   return result;
 }
 
-// Standard deviation that residuals would have if each told as little alone as they do
+// Standard deviation that residuals would have if each said as little alone as they do
 // together.
 double effective_sigma(const std::vector<double>& residual) {
   const Eigen::Map<const Eigen::VectorXd> r(residual.data(), std::ssize(residual));
@@ -97,6 +97,8 @@ std::vector<ProfilePoint> half_profile(const std::vector<ScaledMaterialCurve>& c
   const double from = best.state.log_parameter[parameter];
   MaterialState state = best.state;
   for (int k = kProfileHalvings; k >= 0 && from != edge; --k) {
+    // Steps double towards the edge. At each the other parameters are fitted again; the
+    // deviance is what the squares grow by.
     state.log_parameter[parameter] = from + (edge - from) * std::pow(0.5, k);
     const MaterialSolve solve =
         solve_material(curves, state, box, factor_sd, parameter);
@@ -129,6 +131,8 @@ Crossing crossing_of(const std::vector<ProfilePoint>& half, double best_value) {
   for (const ProfilePoint& point : half) {
     const double root = std::sqrt(std::max(point.deviance, 0.0));
     if (point.deviance > kLimit) {
+      // The root of the deviance is linear in the logarithm where the squares are
+      // quadratic.
       const double share = (std::sqrt(kLimit) - root_before) / (root - root_before);
       return {std::exp(before + share * (std::log(point.value) - before)), true,
               point.other_at_bound};
@@ -187,13 +191,17 @@ MaterialFit fit_material(const ResponseSweep& sweep,
   }
   const MaterialBox box = box_of(sweep);
   const double factor_sd = std::log1p(sweep.error_relative);
+  // 1. The best of three starts, all residuals of the same sd.
   MaterialSolve best = best_of_starts(scaled_curves, box, factor_sd);
   MaterialFit fit;
   fit.iterations = best.iterations;
+  // 2. Each curve's sd from its residuals, so that correlated samples do not count as
+  //    many.
   for (std::size_t c = 0; c < curves.size(); ++c) {
     scaled_curves[c].sigma =
         effective_sigma(material_residuals(scaled_curves[c], best.state, c));
   }
+  // 3. The fit with these, its covariance, and a profile of each parameter.
   best = solve_material(scaled_curves, best.state, box, factor_sd);
   fit.iterations += best.iterations;
   fit.converged = best.converged;

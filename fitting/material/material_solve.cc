@@ -15,6 +15,8 @@ struct CurveResiduals {
 
   template <typename T>
   bool operator()(T const* const* blocks, T* residual) const {
+    // (baseline + e^q f(parameters, d) / force_n - measured) / sigma. The sweep's law
+    // gives ln f of ln parameters and ln d; q is the factor of the sweep's own error.
     const std::size_t p = curve.law.dimensions() - 1;
     std::vector<T> x(blocks[0], blocks[0] + p);
     x.emplace_back(0.0);
@@ -155,6 +157,8 @@ Eigen::MatrixXd material_covariance(const std::vector<ScaledMaterialCurve>& curv
   options.parameter_blocks = blocks;
   ceres::CRSMatrix sparse;
   problem.Evaluate(options, nullptr, nullptr, nullptr, &sparse);
+  // (J^T J)^-1 of residuals over their sd, columns scaled to norm 1. The small diagonal
+  // keeps directions that no curve determines from being singular.
   const Eigen::MatrixXd J = dense(sparse);
   const Eigen::VectorXd scale = J.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd S = J * scale.cwiseInverse().asDiagonal();

@@ -77,6 +77,10 @@ Modulus refused_modulus(std::string why) {
 
 // E over the coefficient K of the law of this exponent.
 double per_coefficient(const Indenter& indenter) {
+  // F = K d^p; E over K, by Hertz 1882 and Sneddon 1965:
+  //   sphere  K = 4/3 sqrt(R) E / (1 - nu^2)
+  //   cone    K = 2/pi tan(half angle) E / (1 - nu^2)
+  //   punch   K = 2 R E / (1 - nu^2), times the layer's factor
   const double nu = indenter.poissons_ratio, plane = 1.0 - nu * nu;
   if (indenter.shape == "sphere") {
     return 0.75 * plane / std::sqrt(indenter.radius_m);
@@ -148,6 +152,8 @@ std::vector<ModulusError> geometry_errors(
     if (!(number.sd > 0.0)) {
       continue;
     }
+    // Error |dE/dv| sd_v of each number v, by a central difference half a sd to each
+    // side. The step is cut at the ends of what v may be.
     Indenter less = indenter, more = indenter;
     const double step = kSdStep * number.sd, value = indenter.*number.value;
     less.*number.value = std::max(value - step, number.low + 0.1 * step);
@@ -190,6 +196,7 @@ Slope slope_within(const Approach& approach, double from, double to) {
   }
   const auto n = std::ssize(f);
   const Eigen::Map<const Eigen::ArrayXd> xs(x.data(), n), fs(f.data(), n);
+  // Columns 1 and x - mean(x) are orthogonal: the slope needs no more than the second.
   Eigen::MatrixXd J(n, 2);
   J << Eigen::VectorXd::Ones(n), (xs - xs.mean()).matrix();
   const double slope = J.col(1).dot(fs.matrix()) / J.col(1).squaredNorm();
@@ -212,6 +219,8 @@ PlateSlope plate_slope(const Approach& approach, const ContactFit& free,
     return slope_within(approach, contact_m + first * length,
                         contact_m + last * length);
   };
+  // Strains from kStrainMax / 10 to kStrainMax of the height, from the contact point
+  // on.
   const double at = free.contact.m, middle = 0.5 * (0.1 + 1.0);
   const Slope all = within(at, 0.1, 1.0);
   PlateSlope found{all.n_per_m, all.sd};
@@ -221,6 +230,7 @@ PlateSlope plate_slope(const Approach& approach, const ContactFit& free,
                                 within(at - kSdStep * sd_m, 0.1, 1.0).n_per_m) /
                        (2.0 * kSdStep);
   }
+  // The two halves' slopes: where they differ surely, the curve is no line.
   const Slope less = within(at, 0.1, middle), more = within(at, middle, 1.0);
   const double apart = std::abs(more.n_per_m - less.n_per_m);
   if (apart > kExponentDeviations * std::hypot(less.sd, more.sd) &&
@@ -235,6 +245,7 @@ Modulus plate_modulus(const Approach& approach, const ContactFit& free,
   if (free.has(FitFlag::kEmptyRun)) {
     throw InputError("empty run");
   }
+  // E = slope h / (pi R^2): force over area, displacement over height.
   const PlateSlope found = plate_slope(approach, free, indenter.height_m);
   const auto per_slope = [](const Indenter& at) {
     return at.height_m / (std::numbers::pi * at.radius_m * at.radius_m);
@@ -261,9 +272,9 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
                          const Indenter& indenter) {
   const double exponent = exponent_of(indenter);
   const bool layer = on_a_layer(indenter);
-  const ContactFitOptions told{.exponent = exponent,
-                               .noise_relative = free.noise_relative};
-  const ContactFit fit = fit_contact(approach, told);
+  const ContactFitOptions given{.exponent = exponent,
+                                .noise_relative = free.noise_relative};
+  const ContactFit fit = fit_contact(approach, given);
   if (const std::string reason = reason_to_refuse(fit, layer); !reason.empty()) {
     return refused_modulus(reason);
   }
@@ -276,7 +287,7 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
     std::array<ContactFit, 2> other;
     std::array<double, 2> moved_pa{};
     for (std::size_t k = 0; k < 2; ++k) {
-      other[k] = fit_contact(bend->straight[k], told);
+      other[k] = fit_contact(bend->straight[k], given);
       if (other[k].has(FitFlag::kEmptyRun)) {
         return refused_modulus("a drift that bends may be all of the force");
       }

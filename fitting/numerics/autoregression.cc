@@ -60,6 +60,7 @@ Autoregression autoregression_of(const Eigen::VectorXd& residual,
     if (!(both > 0.0)) {
       break;
     }
+    // Burg's reflection: 2 f . b / (|f|^2 + |b|^2), which keeps the noise stationary.
     const double reflection =
         std::clamp(2.0 * f.dot(b) / both, -kReflectionMax, kReflectionMax);
     const Eigen::VectorXd next_f = f - reflection * b, next_b = b - reflection * f;

@@ -21,6 +21,7 @@ std::vector<int> members(const std::vector<bool>& in) {
 
 Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
                                    const std::vector<bool>& not_negative) {
+  // N x = A^T b (Lawson, Hanson 1974) of `passive` columns; the others stay at zero.
   const Eigen::Index p = A.cols();
   Eigen::MatrixXd N = A.transpose() * A;
   const Eigen::VectorXd right = A.transpose() * b;
@@ -39,6 +40,7 @@ Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::Vector
   };
   Eigen::VectorXd x = solve(members(passive));
   for (Eigen::Index step = 0; step < 6 * p; ++step) {
+    // 1. The column with the steepest descent b - N x joins, if it descends.
     const Eigen::VectorXd descent = right - N * x;
     Eigen::Index best = -1;
     double most = 1e-10 * right.cwiseAbs().maxCoeff();
@@ -52,6 +54,8 @@ Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::Vector
       break;
     }
     passive[static_cast<std::size_t>(best)] = true;
+    // 2. The solution z of the joined set is taken, or as much of the way to z as
+    //    leaves no value negative. Columns that reach zero leave the set.
     for (Eigen::Index inner = 0; inner <= p; ++inner) {
       const Eigen::VectorXd z = solve(members(passive));
       double share = 1.0;
@@ -79,6 +83,8 @@ Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::Vector
 
 std::vector<double> isotonic(const std::vector<double>& values,
                              const std::vector<double>& weights) {
+  // Pools of neighbours: a value that does not exceed the pool before joins that pool,
+  // which takes the weighted mean.
   struct Pool {
     double value, weight;
     std::size_t members;

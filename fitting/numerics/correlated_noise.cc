@@ -59,6 +59,9 @@ class Restricted {
   }
 
   [[nodiscard]] Tried at(const CorrelatedNoise& unit) const {
+    // -2 ln of the restricted likelihood (Patterson, Thompson 1971), but for constants,
+    // at the best scale: (n - p) ln S + ln|V| + ln|J^T V^-1 J|. S is the squares r^T
+    // V^-1 r that a shift of the parameters leaves.
     Eigen::MatrixXd X = both_;
     const double log_det = whiten(unit, X);
     const Eigen::Index p = X.rows() - 1;
@@ -85,6 +88,7 @@ class Restricted {
 // White noise, the first, is as probable before as all shared ones together, and so is
 // an autoregression.
 std::vector<ProbableNoise> weighed(const std::vector<Tried>& tried) {
+  // Weight: probability before the data times exp(-cost / 2), from the least cost.
   const auto least =
       std::min_element(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) {
         return a.cost < b.cost;
@@ -175,8 +179,8 @@ double variance_of(const std::vector<ProbableNoise>& noises) {
 
 // A variance that few independent samples tell makes 95 % intervals Student's: theirs
 // over the normal one (Cornish and Fisher). The slow part of an autoregression of order
-// p is told as by n / (2 p) of them (Berk 1974). Where white noise is probable too, the
-// mean over all noises has that already.
+// p is known as from n / (2 p) of them (Berk 1974). Where white noise is probable too,
+// the mean over all noises has that already.
 double widened(const std::vector<ProbableNoise>& noises, Eigen::Index n,
                Eigen::Index p) {
   if (white_among(noises)) {
@@ -203,12 +207,15 @@ Eigen::MatrixXd not_a_number(Eigen::Index p) {
 std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
                                      const Eigen::VectorXd& residual, SharedNoise kinds,
                                      double longest) {
+  // 1. Too few samples: white noise of the residuals' variance.
   const Eigen::Index n = residual.size();
   const Eigen::Index left = n - jacobian.cols();
   if (left < kLeftMin || !(residual.squaredNorm() > 0.0)) {
     const auto degrees = static_cast<double>(std::max<Eigen::Index>(1, left));
     return {{{.white = std::sqrt(residual.squaredNorm() / degrees)}, 1.0}};
   }
+  // 2. White noise, and a grid of lengths (equal ratios) by shares, rho = exp(-1 /
+  //    length).
   const Restricted likelihood(jacobian, residual);
   std::vector<Tried> tried{likelihood.at(unit_noise(0.0, 0.0))};
   if (!(longest >= 1.0)) {
@@ -225,6 +232,8 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
       }
     }
   }
+  // 3. An autoregression, at the price of order ln n in -2 ln likelihood. One of order
+  //    1 that is positive is among the grid.
   if (kinds == SharedNoise::kAlsoRegression) {
     const Autoregression seen =
         autoregression_of(residual, std::min(kOrderMax, n / kSamplesPerOrder));
@@ -238,6 +247,7 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
           static_cast<double>(order) * std::log(static_cast<double>(n));
     }
   }
+  // 4. The weights; one noise that is surely the most probable is refined off the grid.
   std::vector<ProbableNoise> noises = weighed(tried);
   const auto best = std::max_element(
       noises.begin(), noises.end(), [](const ProbableNoise& a, const ProbableNoise& b) {
@@ -251,6 +261,8 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
 
 double effective_samples(std::span<const double> residuals) {
   const std::size_t n = residuals.size();
+  // n (1 - rho) / (1 + rho), rho the correlation of neighbours; n where rho is not
+  // beyond two standard errors.
   double squares = 0.0, products = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     squares += residuals[i] * residuals[i];
@@ -280,6 +292,8 @@ struct UnderNoise {
   UnderNoise(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
              Eigen::Index samples, SharedNoise kinds, Eigen::Index rows_max) {
     const Eigen::Index p = jacobian.cols();
+    // Covariance B M B of a fit whose residuals are correlated: B = (J^T J)^-1, M = J^T
+    // V J = `filling`. Rows past `samples` are expectations, independent of the rest.
     const Eigen::MatrixXd J = averaged(jacobian.topRows(samples), rows_max);
     const double times = static_cast<double>(samples) / static_cast<double>(J.rows());
     const Eigen::MatrixXd expected =

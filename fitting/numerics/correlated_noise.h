@@ -47,7 +47,7 @@ enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 [[nodiscard]] double effective_samples(std::span<const double> residuals);
 
 /// Covariance of plain least-squares parameters under the noise of their residuals:
-/// (J^T J)^-1 J^T V J (J^T J)^-1. All NaN where they cannot be told apart.
+/// (J^T J)^-1 J^T V J (J^T J)^-1. All NaN where they cannot be separated.
 /// @param jacobian, residual as for noises_of(). @param samples how many of the first
 /// rows are samples in a row. The others are expectations, each with an error of its
 /// own as large as a sample's. @param kinds as noises_of(). With regressions, noise

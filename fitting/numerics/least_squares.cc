@@ -68,6 +68,8 @@ class DenseBlock : public ceres::CostFunction {
     if (!(loss_scale_ > 0.0)) {
       return 1.0;
     }
+    // rho(r^2) = s^2 ln(1 + r^2 / s^2), s = loss_scale. r becomes s sqrt(ln(1 + u^2)),
+    // u = r/s, whose derivative is |u| / ((1 + u^2) sqrt(ln(1 + u^2))).
     const double u = r / loss_scale_;
     if (std::abs(u) < 1e-4) {
       return 1.0;  // equal to second order
@@ -133,12 +135,15 @@ LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
   const std::vector<int> free = free_parameters(problem, start.size());
   Eigen::VectorXd values = report.q(free);
   DenseBlock block(problem, report.q, free, options.loss_scale);
+  // A start whose residuals or derivatives are no numbers does not converge; Ceres is
+  // not called.
   const auto cost = cost_at(block, values);
   if (!cost || free.empty()) {
     report.converged = cost.has_value();
     report.cost = cost.value_or(kInf);
     return report;
   }
+  // The block is on the stack: the problem must not delete it.
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(ownership);
@@ -208,6 +213,8 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian, double sum_of_squ
   if (qr.rank() < p) {
     return covariance;
   }
+  // S (J^T J)^-1 / (n - p), S the squares. By Q R = J D^-1 P, D the columns' norms, the
+  // inverse is root root^T with root = D^-1 P R^-1.
   const Eigen::MatrixXd inverse =
       qr.colsPermutation() *
       Eigen::MatrixXd(qr.matrixR()
@@ -220,6 +227,8 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian, double sum_of_squ
 
 Eigen::MatrixXd least_squares_covariance(const LeastSquaresProblem& problem,
                                          const Eigen::VectorXd& q, SharedNoise kinds) {
+  // Parameters that are held or stand at a bound are taken as known: their rows are
+  // zero.
   const std::vector<bool> bound = at_bound(problem, q);
   std::vector<int> free;
   for (const int j : free_parameters(problem, q.size())) {

@@ -71,7 +71,7 @@ struct SolverSeconds {
 /// Of the parameters at q, (p x p): (J^T J)^-1 sum of squares / (n - p), p the number
 /// of free parameters. Else the covariance under the noise of samples in a row
 /// (covariance_under_noise). Rows and columns of held ones, and of those at a bound,
-/// are zero; all NaN where the free ones cannot be told apart.
+/// are zero; all NaN where the free ones cannot be separated.
 [[nodiscard]] Eigen::MatrixXd least_squares_covariance(
     const LeastSquaresProblem& problem, const Eigen::VectorXd& q,
     SharedNoise kinds = SharedNoise::kRough);

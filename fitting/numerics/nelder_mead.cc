@@ -48,6 +48,9 @@ SimplexReport minimise_simplex(const std::function<double(const Eigen::VectorXd&
       break;
     }
     Corner& worst = simplex.back();
+    // The worst corner is reflected at the centre of the others. The step is doubled
+    // where that is the best, and halved on the better side where that is the worst.
+    // If nothing helps, all corners halve their way to the best.
     const Eigen::VectorXd outward = centre - worst.x;
     const Corner reflected = evaluate(centre + outward);
     if (reflected.value < simplex[0].value) {

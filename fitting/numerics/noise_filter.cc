@@ -31,6 +31,7 @@ class RoughFilter {
   }
   // Whether the variance no longer changes.
   bool settle() {
+    // Variance before the next sample: rho^2 P (1 - K) + (1 - rho^2) shared, gain K.
     const double before = variance_;
     variance_ =
         rho_ * rho_ * variance_ * (1.0 - gain()) + (1.0 - rho_ * rho_) * shared_;
@@ -51,6 +52,8 @@ class SmoothFilter {
       : white_(noise.white * noise.white),
         value_(Eigen::VectorXd::Zero(values)),
         slope_(value_) {
+    // State (value, slope) of x'' + 2 l x' + l^2 x = white noise, over one sample. Its
+    // variance is that of rest, diag(s, l^2 s); `fresh_` is what one sample adds.
     const double l = decay(noise), shared = noise.shared * noise.shared;
     A_ << 1.0 + l, 1.0, -l * l, 1.0 - l;
     A_ *= std::exp(-l);
@@ -163,6 +166,7 @@ Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
     add_smooth(noise, X, product);
     return product;
   }
+  // sum_j shared rho^|i - j| x_j, from below by `before` and from above by `after`.
   Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(X.cols());
   Eigen::RowVectorXd after = before;
   for (Eigen::Index i = 0; i < X.rows(); ++i) {

@@ -51,6 +51,7 @@ double noise_standard_deviation(std::span<const double> values) {
   if (values.size() < 3) {
     return 0.0;
   }
+  // Second differences of white noise have 1 + 4 + 1 = 6 times its variance.
   std::vector<double> difference;
   difference.reserve(values.size());
   for (std::size_t i = 1; i + 1 < values.size(); ++i) {
@@ -65,6 +66,8 @@ std::vector<std::size_t> without_outliers(std::span<const double> residuals,
   const auto side = [&](std::size_t i) {
     return residuals[i] > limit ? 1 : residuals[i] < -limit ? -1 : 0;
   };
+  // Runs beyond the limit on one side are outliers if they are short: longer ones are
+  // what the law misses.
   std::vector<std::size_t> kept;
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     while (end < n && side(end) == side(begin)) {
@@ -75,6 +78,7 @@ std::vector<std::size_t> without_outliers(std::span<const double> residuals,
       kept.push_back(i);
     }
   }
+  // Where more than one of twenty would go, none does.
   if (kept.size() * kOutliersOneOf < n * (kOutliersOneOf - 1)) {
     kept.resize(n);
     std::iota(kept.begin(), kept.end(), std::size_t{0});

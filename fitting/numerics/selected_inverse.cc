@@ -17,6 +17,9 @@ SelectedInverse::SelectedInverse(const SparseFactor& factor)
   const int* begin = entry_.outerIndexPtr();
   const int* row = entry_.innerIndexPtr();
   double* value = entry_.valuePtr();  // L, overwritten by S from the last column on
+  // Columns i from the last, over rows j, k > i of L's pattern:
+  //   S_ji = -sum_k S_jk L_ki / L_ii,  S_ii = (1 / L_ii - sum_k L_ki S_ki) / L_ii
+  // (Takahashi, Fagan, Chin 1973).
   std::vector<int> slot(static_cast<std::size_t>(n), -1);
   Eigen::VectorXd sum;
   for (int i = n - 1; i >= 0; --i) {

@@ -151,7 +151,7 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
     presses.resize(std::max<std::size_t>(1, presses.size()));
   }
   std::vector<RunResult> results;
-  double told = 0.0;  // reading counts for the first press
+  double counted_s = 0.0;  // reading counts for the first press
   for (const std::size_t number : chosen) {
     RunResult& result = results.emplace_back();
     result.press = number;
@@ -169,8 +169,8 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
         result.cycles.clear();
       }
     }
-    result.seconds = seconds_since(begin) - told;
-    told += result.seconds;
+    result.seconds = seconds_since(begin) - counted_s;
+    counted_s += result.seconds;
   }
   return results;
 }

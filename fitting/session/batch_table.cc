@@ -165,15 +165,15 @@ Json machine_json(const Session& session, const BatchReport& report) {
   }
   if (session.registration) {
     const Registration& r = *session.registration;
-    Json& told = json["registration"] = {{"rms_m", r.rms_m},
-                                         {"localisation_sd_m", r.localisation_sd_m}};
+    Json& registration = json["registration"] = {
+        {"rms_m", r.rms_m}, {"localisation_sd_m", r.localisation_sd_m}};
     for (Eigen::Index i = 0; i < 3; ++i) {
-      told["rotation"].push_back(
+      registration["rotation"].push_back(
           {r.rotation(i, 0), r.rotation(i, 1), r.rotation(i, 2)});
-      told["shift_m"].push_back(r.shift_m[i]);
+      registration["shift_m"].push_back(r.shift_m[i]);
     }
     for (std::size_t i = 0; i < r.pairs.size(); ++i) {
-      told["pairs"].push_back(
+      registration["pairs"].push_back(
           {{"name", r.pairs[i].name}, {"residual_m", r.residual_m[i]}});
     }
   }

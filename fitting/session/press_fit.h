@@ -25,7 +25,7 @@ struct PressFitOptions {
 
 struct PressFit {
   std::size_t samples = 0;        ///< of the press
-  std::optional<FrameRun> frame;  ///< as told
+  std::optional<FrameRun> frame;  ///< as given
   PressCorrections corrections;   ///< what the machine added, taken off
   Approach approach;
   ContactFit contact;   ///< the power law's

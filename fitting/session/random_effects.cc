@@ -72,6 +72,7 @@ double inside(const Specimen& s, double point, double repeat) {
 
 RandomEffects random_effects(const std::vector<std::vector<Values>>& y) {
   RandomEffects result;
+  // 1. Repeats about their point's mean: the repeat's variance.
   std::vector<Specimen> specimens;
   Squares repeats;
   Values means;
@@ -91,6 +92,7 @@ RandomEffects random_effects(const std::vector<std::vector<Values>>& y) {
   result.specimens = y.size();
   result.mean = mean_of(means);
   const double repeat = repeats.variance();
+  // 2. Point means about their specimen's mean, less the repeats' part.
   const double point = point_variance(specimens, repeat);
   result.repeat_sd = std::sqrt(repeat);
   result.point_sd = std::sqrt(point);
@@ -98,12 +100,15 @@ RandomEffects random_effects(const std::vector<std::vector<Values>>& y) {
     return result;
   }
   const auto n = static_cast<double>(specimens.size());
+  // 3. Specimen means about their mean, less what points and repeats make of each.
   const double observed = squares_about(means, result.mean) / (n - 1.0);
   double own = 0.0;
   for (const Specimen& s : specimens) {
     own += inside(s, point, repeat) / n;
   }
   result.specimen_sd = std::sqrt(std::max(0.0, observed - own));
+  // The means of specimens are independent: their own scatter gives the error of the
+  // mean.
   result.mean_sd = std::sqrt(observed / n);
   result.degrees_of_freedom = n - 1.0;
   const double t =

@@ -95,6 +95,8 @@ Registration register_rigidly(std::vector<RegistrationPair> pairs) {
   refuse_line(machine, "machine's");
   refuse_line(mesh, "mesh's");
   refuse_sizes(machine, mesh);
+  // R = U diag(1, 1, +-1) V^T of sum mesh machine^T = U S V^T (Kabsch 1976), the sign
+  // such that R is no mirror (Umeyama 1991).
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
       mesh.points * machine.points.transpose(),
       Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -110,6 +112,7 @@ Registration register_rigidly(std::vector<RegistrationPair> pairs) {
   r.shift_m = mesh.centre - r.rotation * machine.centre;
   r.centre_m = mesh.centre;
   r.axes = mesh.axes;
+  // Root mean square distance of the pairs from principal axis k.
   for (Eigen::Index k = 0; k < 3; ++k) {
     r.from_axes_m[k] = std::hypot(mesh.extent[(k + 1) % 3], mesh.extent[(k + 2) % 3]);
   }
@@ -120,12 +123,16 @@ Registration register_rigidly(std::vector<RegistrationPair> pairs) {
   }
   const auto n = static_cast<double>(pairs.size());
   r.rms_m = std::sqrt(squares / n);
+  // FRE^2 = (1 - 2 / n) FLE^2 (Fitzpatrick, West, Maurer 1998): FLE^2 = squares / (n -
+  // 2).
   r.localisation_sd_m = std::sqrt(squares / (n - 2.0));
   r.pairs = std::move(pairs);
   return r;
 }
 
 double registration_error_m(const Registration& r, const Eigen::Vector3d& mesh_m) {
+  // TRE^2 = FLE^2 / n (1 + 1/3 sum_k d_k^2 / f_k^2), d_k the place's distance from axis
+  // k, f_k that of the pairs (Fitzpatrick, West, Maurer 1998).
   const Eigen::Vector3d p = r.axes.transpose() * (mesh_m - r.centre_m);
   double sum = 0.0;
   for (Eigen::Index k = 0; k < 3; ++k) {

@@ -32,7 +32,7 @@ struct SessionRun {
   int curve = 0;      ///< number inside a file that holds several
   std::string name;   ///< unique: the path as the session writes it, "#" and the curve
   std::string point;  ///< repeats at one place share it; else the name
-  std::string specimen;  ///< points of one share it; empty: not told
+  std::string specimen;  ///< points of one share it; empty: not given
   std::optional<Eigen::Vector3d> position_m;  ///< (3) [m] on the body, its mesh's frame
   std::optional<Eigen::Vector3d> normal;      ///< (3) unit, outward
   std::optional<InstrumentCurve>
@@ -48,7 +48,7 @@ struct SessionFit {
   double noise_relative = 0.0;        ///< [-] [0, 1) noise that grows with force
   std::vector<std::string> families;  ///< of kFamilyNames, at least one
   std::string criterion = "aicc";     ///< one of kCriteria
-  std::optional<CycleChoice> cycle;   ///< which presses of a file; none: not told
+  std::optional<CycleChoice> cycle;   ///< which presses of a file; none: not given
 };
 
 /// The frame's stiffness as stated, or the file of a run on a rigid plate; or neither.
@@ -63,7 +63,7 @@ struct Session {
   std::filesystem::path file;  ///< where from
   std::string name;
   SessionLayout layout = SessionLayout::kText;
-  MeasurementColumns columns;  ///< of kText; of kAuto what is told, else empty texts
+  MeasurementColumns columns;  ///< of kText; of kAuto what is given, else empty texts
   HeaderUnits header_units = HeaderUnits::kMustAgree;
   Indenter indenter;
   /// The indenter as the database holds it; none of a plate and of the unknown.

@@ -31,6 +31,7 @@ Eigen::Vector3d nearest_weights(const Eigen::Matrix3d& corner_m,
   const double area2 = normal.squaredNorm();
   if (area2 > 0.0) {
     const Eigen::Vector3d r = p - corner_m.col(0);
+    // Area coordinates of the projection on the triangle's plane.
     const double v = normal.dot(r.cross(b)) / area2;
     const double w = normal.dot(a.cross(r)) / area2;
     if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) {

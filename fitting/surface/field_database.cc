@@ -24,6 +24,8 @@ NodeResponse response_of(const SurfaceFields& fields, Eigen::Index node,
   const Eigen::Index depths = fields.depth_m.size();
   double highest = -std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < depths; ++k) {
+    // Fields of the depths are independent: where they would fall with depth, they
+    // stay.
     highest = std::max(highest, fields.log_force(node, k));
     response.depth_m.push_back(fields.depth_m[k]);
     response.force_n.push_back(std::exp(highest));
@@ -46,6 +48,9 @@ Points node_directions(const SurfaceMesh& body, std::span<const ProbeDirection> 
     for (Eigen::Index c = 0; c < 3; ++c) {
       outward += probe.at.weight[c] * normal.row(body.triangle(probe.at.triangle, c));
     }
+    // Deviations of the probes' directions from the normal are averaged with Gaussian
+    // weights of the distance. The constant kNormalWeight lets far nodes keep their
+    // normal.
     const Eigen::RowVector3d off = probe.direction.transpose() - outward.normalized();
     const Eigen::RowVector3d p = position_m(body, probe.at).transpose();
     const Eigen::ArrayXd w =

@@ -44,6 +44,9 @@ bool too_smooth(const FieldParameters& p, double edge_m) {
 
 // Minus the log density of the parameters' logarithms before the data.
 double cost_before(const FieldParameters& p, double diagonal_m) {
+  // Penalised complexity (Fuglstad et al. 2019) of logarithms, but for constants:
+  //   length l   a / l + ln l,  a = -ln(0.05) l_0
+  //   sd s       b s - ln s,    b = -ln(0.05) / s_0; of the nugget as well
   const double shortest = kRare * kShortLength * diagonal_m;
   const double sd = kRare * p.sd / kLargeSd,
                nugget = kRare * p.nugget_sd / kLargeNugget;
@@ -169,6 +172,7 @@ FieldParametersReport fit_field_parameters(const FieldModel& model,
   SimplexReport found;
   FieldParametersReport report;
   int smoothness = 0;
+  // Each smoothness has its own optimum; the better one is reported, and both are kept.
   for (const int nu : {1, 2}) {
     const bool near_fits = near != nullptr && near->smoothness == nu;
     const Eigen::Vector3d start =
@@ -199,6 +203,8 @@ FieldParametersReport fit_field_parameters(const FieldModel& model,
 std::vector<ProbableParameters> probable_parameters(
     const FieldModel& model, std::span<const FieldData> data,
     const FieldParametersReport& report) {
+  // Points along the axes of the curvature at each smoothness' optimum (Rue, Martino,
+  // Chopin 2009). Smoothnesses share the weight by their evidence.
   Search search(model, data);
   std::array<AxialDesign, 2> designs;
   for (const FieldParameters& p : report.of_smoothness) {
@@ -219,6 +225,7 @@ std::vector<ProbableParameters> probable_parameters(
     const AxialDesign& design = designs[static_cast<std::size_t>(p.smoothness - 1)];
     for (const WeighedPoint& point : design.points) {
       const double weight = point.weight * std::exp(design.log_evidence - most) / all;
+      // Improbable points cost a posterior each and change nothing.
       if (weight >= kWeightMin) {
         probable.push_back(
             {parameters_of(search.inside(point.x), p.smoothness), weight});
@@ -235,6 +242,8 @@ std::vector<ProbableParameters> probable_parameters(
 FieldPosterior mixed_posterior(const FieldModel& model,
                                std::span<const ProbableParameters> probable,
                                const FieldData& data) {
+  // Mean sum_i w_i m_i, variance sum_i w_i (s_i^2 + m_i^2) - mean^2, at nodes and left
+  // out.
   FieldPosterior mixed;
   Eigen::ArrayXd squares, left_out_squares;
   for (std::size_t i = 0; i < probable.size(); ++i) {

@@ -19,6 +19,8 @@ struct Sums {
 void predict(const FieldModel& model, std::span<const FieldData> data,
              const std::vector<std::size_t>& patch, const FieldParameters& near,
              Sums& sums) {
+  // The patch is hidden from screening and parameters, and then asked for its
+  // residuals.
   std::vector<FieldData> others(data.begin(), data.end());
   for (FieldData& set : others) {
     for (const std::size_t i : patch) {
@@ -61,6 +63,7 @@ std::vector<std::vector<std::size_t>> patches_of(const FieldModel& model,
         of[i] = k;
       }
     }
+    // The next seed is the point farthest from all seeds.
     seed = static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) -
                                     nearest.begin());
   }

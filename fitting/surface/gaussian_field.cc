@@ -57,6 +57,7 @@ Eigen::VectorXd data_precision(const FieldParameters& p, const FieldData& data,
     if (data.used[static_cast<std::size_t>(i)] == 0) {
       continue;
     }
+    // Variance of a datum: its stated error, and the nugget beyond that.
     const double variance = data.sd[i] * data.sd[i] + p.nugget_sd * p.nugget_sd;
     if (!std::isfinite(data.value[i]) || !(data.sd[i] >= 0.0) || !(variance > 0.0) ||
         !std::isfinite(variance)) {
@@ -118,6 +119,7 @@ FieldModel::FieldModel(const SurfaceMesh& mesh, std::vector<AttachedPoint> point
   power_[1] = operator_.stiffness;
   power_[2] = power_[1] * inverse_mass.asDiagonal() * power_[1];
   power_[3] = power_[2] * inverse_mass.asDiagonal() * power_[1];
+  // A: a row of area coordinates for each point.
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < point_.size(); ++i) {
     for (Eigen::Index c = 0; c < 3; ++c) {
@@ -148,6 +150,9 @@ SparseSquare FieldModel::prior_precision(const FieldParameters& parameters) cons
   check(parameters);
   const double k2 = kappa2_per_m2(parameters);
   const double s = precision_scale(parameters);
+  // Q = s (k2 C + G) [C^-1 (k2 C + G)]^nu (Lindgren, Rue, Lindstrom 2011), C the lumped
+  // mass, G the stiffness, nu = smoothness. power_[i] = G (C^-1 G)^(i - 1), power_[0] =
+  // C.
   if (parameters.smoothness == 1) {
     return (s * k2 * k2) * power_[0] + (2.0 * s * k2) * power_[1] + s * power_[2];
   }
@@ -164,6 +169,7 @@ double FieldModel::prior_log_determinant(const FieldParameters& parameters) cons
   }
   factorise(elliptic_factor_, kappa2_per_m2(parameters) * power_[0] + power_[1],
             parameters);
+  // ln|Q| = n ln s + alpha ln|k2 C + G| - (alpha - 1) ln|C|, alpha = nu + 1.
   const double alpha = parameters.smoothness + 1.0;
   const double value = alpha * log_determinant(elliptic_factor_.factor) -
                        (alpha - 1.0) * operator_.mass_m2.array().log().sum() +
@@ -185,11 +191,14 @@ FieldModel::Conditioned FieldModel::condition(const FieldParameters& parameters,
   factorise(factor, prior_precision(parameters) + weighted, parameters);
   c.factor = &factor.factor;
   const Eigen::VectorXd y = (c.D.array() > 0.0).select(data.value, 0.0);
+  // V = A Q^-1 A^T + D^-1 of the data. V^-1 = D - D A (Q + A^T D A)^-1 A^T D
+  // (Woodbury).
   c.one_node = c.factor->solve(A.transpose() * c.D);
   c.value_node = c.factor->solve(A.transpose() * c.D.cwiseProduct(y));
   c.one = c.D - c.D.cwiseProduct(A * c.one_node);
   c.value = c.D.cwiseProduct(y - A * c.value_node);
   c.precision = c.one.sum();
+  // mu = 1^T V^-1 y / 1^T V^-1 1, squares = (y - mu)^T V^-1 (y - mu).
   c.mean = c.value.sum() / c.precision;
   const double squares = y.dot(c.value) - c.mean * c.value.sum();
   double log_D = 0.0;
@@ -198,6 +207,8 @@ FieldModel::Conditioned FieldModel::condition(const FieldParameters& parameters,
     log_D += d > 0.0 ? std::log(d) : 0.0;
     used += d > 0.0 ? 1.0 : 0.0;
   }
+  // Restricted likelihood: ln|V| = ln|Q + A^T D A| - ln|Q| - ln|D|, and ln(1^T V^-1 1)
+  // for mu.
   c.log_likelihood =
       -0.5 * (log_determinant(*c.factor) - prior_log_determinant(parameters) - log_D +
               std::log(c.precision) + squares +

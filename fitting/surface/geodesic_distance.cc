@@ -65,12 +65,16 @@ Eigen::VectorXd geodesic_distance_m(const SurfaceMesh& mesh,
       front.push({d, v});
     }
   };
+  // 1. Sources reach the corners of their triangles straight.
   for (const AttachedPoint& s : source) {
     const Eigen::Vector3d p = position_m(mesh, s);
     for (const std::int32_t v : mesh.triangle.row(s.triangle)) {
       reach(v, (mesh.position_m.row(v).transpose() - p).norm());
     }
   }
+  // 2. Fast marching (Kimmel, Sethian 1998), nearest vertex first. A vertex is reached
+  //    again where a later front is nearer, as behind obtuse triangles. Entries that
+  //    have become too far are skipped.
   while (!front.empty()) {
     const auto [d, v] = front.top();
     front.pop();

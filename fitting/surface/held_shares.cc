@@ -46,6 +46,7 @@ std::vector<double> squares_missed(const std::vector<const SurfaceProbe*>& held,
     const Eigen::VectorXd g = nearest_terms(of_terms, shares);
     double sum = 0.0;
     for (int k = 0; k < kTimes; ++k) {
+      // Times of equal ratios, from the end of the hold to a thousandth of it.
       const double at_s =
           seconds * std::pow(1e-3, static_cast<double>(k) / (kTimes - 1));
       const double common = (shares_of_terms({&at_s, 1}, tau_s) * g).value();

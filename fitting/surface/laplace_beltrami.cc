@@ -15,6 +15,8 @@ SurfaceOperator surface_operator(const SurfaceMesh& mesh) {
   result.stiffness.resize(n, n);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(12 * mesh.triangle.rows()));
+  // Stiffness by cotangents (Pinkall, Polthier 1993): cot(k) / 2 on the edge opposite
+  // of k, with cot(k) = a . b / |a x b|. Mass: a third of each triangle's area [m^2].
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
     for (Eigen::Index corner = 0; corner < 3; ++corner) {
       const std::int32_t k = mesh.triangle(t, corner);

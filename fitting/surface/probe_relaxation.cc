@@ -122,6 +122,7 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   for (const Relaxation* hold : holds) {
     append(own, hold);
   }
+  // Only times that every hold has are compared.
   const double seconds = shortest_s(holds);
   const double speed = median(member_of(holds, &Relaxation::speed_m_per_s));
   std::vector<double> shares;
@@ -160,6 +161,7 @@ Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& p
   if (holds.empty()) {
     return {};
   }
+  // The share that stays: 1 - sum g_k (1 - exp(-t / tau_k)) of each probe's joint fit.
   const double seconds = shortest_s(holds);
   std::vector<double> shares;
   const Relaxation fit = median_relaxation(
@@ -178,6 +180,7 @@ Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& p
   common.probes = std::ssize(holds);
   common.speed_m_per_s = median(member_of(holds, &Relaxation::speed_m_per_s));
   common.error_relative = {static_cast<float>(fit.rms_relative)};
+  // Two equal times are one term with both shares.
   const bool alike = !(fit.tau_s[1] > fit.tau_s[0]) || fit.g[1] == 0.0;
   const Eigen::Index terms = alike ? 1 : 2;
   common.tau_s.assign(fit.tau_s.begin(), fit.tau_s.begin() + terms);

@@ -88,6 +88,8 @@ FieldData joined(const FieldData& set,
       Eigen::VectorXd::Constant(m, std::numeric_limits<double>::quiet_NaN()),
       Eigen::VectorXd::Ones(m), std::vector<char>(places.size(), 0)};
   for (std::size_t p = 0; p < places.size(); ++p) {
+    // Mean of a place by weights 1 / (sd^2 + repeatability^2), of variance 1 / sum of
+    // weights.
     double weights = 0.0, sum = 0.0;
     for (const std::size_t i : used_of(set, places[p])) {
       const double w =

@@ -136,16 +136,20 @@ ScreenedField screen_probes(const FieldModel& model, std::span<const FieldData> 
   for (std::size_t i = 0; i < out.size(); ++i) {
     use(result.data, i, true);
   }
+  // 1. Probes unlike their neighbours are left out, and parameters are fitted without
+  //    them.
   out = take_suspects(model, result.data, most);
   result.parameters = fit_field_parameters(model, result.data, near);
   std::vector<BadProbe> score =
       field_scores(model, result.parameters.parameters, result.data);
+  // 2. Suspects that the field predicts come back.
   bool changed = bring_back(score, result.data, out) > 0;
   if (changed) {
     result.parameters =
         fit_field_parameters(model, result.data, &result.parameters.parameters);
     score = field_scores(model, result.parameters.parameters, result.data);
   }
+  // 3. The worst probe is left out, as long as one is beyond the score.
   changed = false;
   while (true) {
     const BadProbe* worst = nullptr;
@@ -165,6 +169,7 @@ ScreenedField screen_probes(const FieldModel& model, std::span<const FieldData> 
     changed = true;
     score = field_scores(model, result.parameters.parameters, result.data);
   }
+  // 4. Parameters without the bad probes.
   if (changed) {
     result.parameters =
         fit_field_parameters(model, result.data, &result.parameters.parameters);

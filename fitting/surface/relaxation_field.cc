@@ -122,6 +122,8 @@ Misses misses_of(const FieldData& set, const FieldPosterior& posterior,
     if (set.used[at] == 0) {
       continue;
     }
+    // Each place is left out: of the field, and of the mean (sum - w y) / (all - w).
+    // The median keeps the place, which favours one value for all.
     const double w = weight(i), y = set.value[i];
     const double off = posterior.left_out_residual[i];
     misses.weights += w;
@@ -162,6 +164,8 @@ void compare(const FieldModel& model, const std::vector<FieldData>& data,
     for (std::size_t k = 0; k < data.size(); ++k) {
       here = here + misses_of(data[k], fields[k].posterior, patch);
     }
+    // Gain of a patch: squares that one value for all misses, less those that the field
+    // misses.
     over_median.push_back(here.median - here.field);
     over_mean.push_back(here.mean - here.field);
     all = all + here;
@@ -214,6 +218,8 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
   if (common.empty() || probes.empty()) {
     return result;
   }
+  // 1. Times that suit all probes, and the shares relaxed at a few of them at each
+  //    place.
   const double seconds = shortest_hold_s(probes);
   const std::vector<double> tau_s =
       times_that_miss_least_s(probes, common.tau_s, seconds);
@@ -229,6 +235,7 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
   for (const auto& place : held.place) {
     point.push_back(closest_surface_point(body, probes[place.front()]->position_m));
   }
+  // 2. A field for each share, of probes that are not bad.
   const FieldModel model(body, std::move(point));
   const ScreenedField screened = screen_probes(model, held.joined.data);
   const FieldParameters& near = screened.parameters.parameters;
@@ -239,6 +246,7 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
     fields.emplace_back(model, set, near);
     report.parameters.push_back(fields.back().most_probable);
   }
+  // 3. The fields are taken only if they predict left-out places surely better.
   compare(model, screened.data, fields, report);
   if (report.taken) {
     result.relaxation.tau_s = tau_s;

@@ -117,7 +117,7 @@ Json to_json(const ToolSummary& tool) {
           {"failed", tool.failed},
           {"extrapolated", tool.extrapolated},
           {"truncated_path", tool.truncated_path},
-          {"hard_path", tool.hard_path},
+          {"near_singular", tool.near_singular},
           {"depth_max_m", tool.depth_max_m},
           {"force_max_n", tool.force_max_n},
           {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
@@ -184,7 +184,7 @@ void print(const ToolSummary& tool) {
       "flags      {} falling, {} force capped, {} coarse contact, {} over the "
       "error budget, {} failed, {} with a path that was hard to follow\n",
       tool.falling, tool.force_capped, tool.coarse_contact, tool.error_over_budget,
-      tool.failed, tool.hard_path);
+      tool.failed, tool.near_singular);
   fmt::print(
       "largest    depth {:.4g} mm, force {:.4g} N, stiffness {:.4g} N/m, "
       "relative error {:.2g}\n",

@@ -89,7 +89,7 @@ void run_shards(const MergeFlags& flags) {
                   {"checked", all.checked},
                   {"error_factor", all.error_factor},
                   {"hard_error_factor", all.hard_error_factor},
-                  {"hard_path", all.hard_path},
+                  {"near_singular", all.near_singular},
                   {"failures", all.failures}});
   } else {
     fmt::print(

@@ -135,6 +135,7 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
             {-1, 3});
   check_end(file, "/index/triangle_begin", index.triangle_begin, "/body/triangle", "1",
             {-1, 3});
+  // Chunks but the last are full, so that a node's number gives its chunk.
   for (std::size_t k = 0; k < chunks; ++k) {
     const std::int64_t size = index.node_begin[k + 1] - index.node_begin[k];
     if (size < 1 || size > index.storage.chunk_nodes ||
@@ -157,6 +158,7 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
               "m", {-1});
     expect_rows(file, group + "/sha256", tool.sha256.size(),
                 c * std::int64_t{kSha256Bytes});
+    // Bounds of the samples, one a chunk.
     for (const auto* values :
          {&tool.depth_max_m, &tool.force_max_n, &tool.stiffness_max_n_per_m,
           &tool.error_relative_max, &tool.direction_spread_max_rad}) {
@@ -297,6 +299,7 @@ BodyChunk ChunkReader::body(std::int64_t chunk) const {
   nodes.dataset("/body/source_node", "1", part.source_node);
   triangles.dataset("/body/triangle", "1", part.triangle);
   triangles.dataset("/body/source_triangle", "1", part.source_triangle);
+  // Damage is found before the rules: a broken rule is then the writer's fault.
   verify(file, index_.sha256, chunk, chunk_digest(part), "/body");
   by_the_rules(file, [&] {
     check_nodes(part.position_m, part.normal, node);
@@ -319,6 +322,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
   ResponseTable part;
   part.tool = entry.tool;
   part.viscoelasticity = entry.viscoelasticity;
+  // A node's row says where its samples begin, counted from those of the chunk.
   content::exchange_nodes(rows, group, part);
   check_begins(file_->reader, group + "/sample_begin", part.sample_begin,
                static_cast<std::size_t>(part.nodes()),
@@ -329,6 +333,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     check_responses(group, part, node);
     check_chunk(entry, chunk, part);
   });
+  // Optional parts have digests of their own.
   if (entry.tilt_sha256.rows() > 0) {
     content::exchange_tilts(rows, group, part);
     verify(file_->reader, entry.tilt_sha256, chunk, tilt_digest(part), group + "/tilt");

@@ -143,6 +143,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
     ++result.compared;
     const NodeDifference& node =
         nodes.emplace_back(node_difference(a, b, i, normal.row(i).transpose()));
+    // rms over all nodes: each counts alike, whatever its depth.
     squares += node.curve.rms_n * node.curve.rms_n;
     result.largest_n = std::max(result.largest_n, node.curve.largest_n);
     result.largest_relative_rms =
@@ -189,6 +190,8 @@ CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b) {
       const double at = at_m[i] + h * kGaussPlace[q];
       const Eigen::Vector3d force_n = a.force_n(at);
       const double off_n = (b.force_n(at) - force_n).norm();
+      // Gauss points of an interval: integrals of |F_b - F_a|^2 and |F_a|^2 over the
+      // depth. rms is the root of the integral over the common depth.
       squares += h * kGaussWeight[q] * off_n * off_n;
       force_squares += h * kGaussWeight[q] * force_n.squaredNorm();
       result.largest_n = std::max(result.largest_n, off_n);

@@ -156,7 +156,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   // Seven where there are no more, as it was before there was an eighth flag.
   const bool eighth =
       std::any_of(table.flags.begin(), table.flags.end(), [](auto bits) {
-        return (bits & kHardPath) != 0;
+        return (bits & kNearSingular) != 0;
       });
   tool.flag_count.assign(eighth ? kResponseFlags : kResponseFlags - 1, 0);
   for (std::size_t i = 0; i < table.origin.size(); ++i) {

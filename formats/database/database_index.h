@@ -41,6 +41,7 @@ struct ToolIndex {
   Sha256Rows sha256;              ///< (c x 32) chunk_digest()
   Sha256Rows memory_sha256;    ///< (c x 32) memory_digest(); none without rows of nodes
   ComplianceTable compliance;  ///< as the table's, without rows of nodes
+  Puncture puncture;           ///< as the table's, with its rows of nodes
   Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
 };

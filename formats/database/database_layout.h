@@ -254,9 +254,9 @@ void exchange_nodes(File& file, const std::string& group, Table& table) {
   file.dataset(group + "/flags", "1", table.flags);
   file.flags(group + "/flags",
              {kFallingCurve, kForceCapped, kCoarseContact, kErrorOverBudget, kFailed,
-              kExtrapolated, kTruncatedPath, kHardPath},
+              kExtrapolated, kTruncatedPath, kNearSingular},
              "falling_curve force_capped coarse_contact error_over_budget failed "
-             "extrapolated truncated_path hard_path",
+             "extrapolated truncated_path near_singular",
              true);
   file.begins(group + "/sample_begin", table.sample_begin);
 }

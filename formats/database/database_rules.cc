@@ -182,6 +182,8 @@ void check_curve(const std::string& group, const ResponseTable& table, std::size
     check_slopes(group, curve, node);
     check_energy(group, curve, node);
   }
+  // Flags and the largest slope follow from the samples. A reader that trusts them must
+  // not be misled.
   const bool falls = !std::is_sorted(curve.force_n.begin(), curve.force_n.end());
   const bool flagged = (table.flags[row] & kFallingCurve) != 0;
   if (falls != flagged) {

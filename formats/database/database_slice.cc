@@ -69,6 +69,7 @@ void append_cut_extras(ResponseTable& cut_table, const ResponseTable& table,
   for (const double depth : depth_m) {
     const auto above =
         std::lower_bound(curve.depth_m.begin(), curve.depth_m.end(), depth);
+    // Interval k - 1 to k holds the depth; t is its part of the interval.
     const auto k = std::max<std::ptrdiff_t>(1, above - curve.depth_m.begin());
     const auto at = static_cast<std::size_t>(k);
     const double t =
@@ -80,6 +81,7 @@ void append_cut_extras(ResponseTable& cut_table, const ResponseTable& table,
     }
     if (turns) {
       const Eigen::Index row = table.direction_begin[i] + k;
+      // A blend of unit vectors is shorter than 1.
       const Eigen::RowVector3d u = (1.0 - t) * table.sample_direction.row(row - 1) +
                                    t * table.sample_direction.row(row);
       const Eigen::Index last = cut_table.sample_direction.rows();
@@ -108,6 +110,8 @@ ResponseDatabase keep_box(const ResponseDatabase& database,
   std::vector<bool> used(static_cast<std::size_t>(body.position_m.rows()));
   for (Eigen::Index t = 0; t < body.triangle.rows(); ++t) {
     const auto corner = body.triangle.row(t);
+    // A triangle stays if all its corners are in the box, a node if one of its
+    // triangles does.
     if (std::all_of(corner.begin(), corner.end(), [&](std::int32_t node) {
           return box_m.contains(body.position_m.row(node).transpose());
         })) {
@@ -158,6 +162,7 @@ ResponseTable cut(const ResponseTable& table, double depth_m) {
     const auto node = static_cast<std::size_t>(i);
     const CurveView curve = result.curve(i);
     result.stiffness_max_n_per_m[node] = stiffness_max_n_per_m(curve);
+    // A curve may have fallen beyond the cut alone.
     if (std::is_sorted(curve.force_n.begin(), curve.force_n.end())) {
       result.flags[node] =
           static_cast<std::uint8_t>(result.flags[node] & ~kFallingCurve);
@@ -202,6 +207,7 @@ ResponseDatabase merge(const std::vector<ResponseDatabase>& databases) {
   for (std::size_t i = 1; i < databases.size(); ++i) {
     const ResponseDatabase& other = databases[i];
     require_same_body(result, other);
+    // Equal meshes may be of other materials: the source's digest shows it.
     if (other.provenance.source_sha256 != result.provenance.source_sha256) {
       throw InputError(fmt::format(
           "database {} comes from another source than the first: SHA-256 {:?}, must be "

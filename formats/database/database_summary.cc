@@ -42,7 +42,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
-  summary.hard_path = flagged(kHardPath);
+  summary.near_singular = flagged(kNearSingular);
   summary.depth_max_m = table.depth_max_m();
   summary.force_max_n = largest_of(table.force_n);
   summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
@@ -69,6 +69,7 @@ ToolSummary summarise(const ToolIndex& tool) {
     return tool.origin_count[static_cast<std::size_t>(origin)];
   };
   const auto flagged = [&](ResponseFlag flag) {
+    // flag_count has a number by bit. Older files lack the last.
     const auto bit =
         static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(flag)));
     return bit < tool.flag_count.size() ? tool.flag_count[bit] : 0;
@@ -86,7 +87,7 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
-  summary.hard_path = flagged(kHardPath);
+  summary.near_singular = flagged(kNearSingular);
   summary.depth_max_m = largest_of(tool.depth_max_m);
   summary.force_max_n = largest_of(tool.force_max_n);
   summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);

@@ -24,7 +24,7 @@ struct ToolSummary {
   std::int64_t failed = 0;                ///< solves that failed: no curve
   std::int64_t extrapolated = 0;          ///< beyond the curves they come from
   std::int64_t truncated_path = 0;        ///< they end early
-  std::int64_t hard_path = 0;             ///< other equilibria may lie near
+  std::int64_t near_singular = 0;         ///< other equilibria may lie near
   double depth_max_m = 0.0;               ///< [m]
   double force_max_n = 0.0;               ///< [N] of any sample
   double stiffness_max_n_per_m = 0.0;     ///< [N/m] largest slope

@@ -34,6 +34,7 @@ Assembly merge_shards(std::span<const fs::path> files, const StoredForces& store
   for (const fs::path& file : files) {
     require_shard(file);
     Shard shard = read_shard(file);
+    // Shards belong together where their plans have one digest.
     if (plan && shard.plan.digest != plan->digest) {
       throw InputError(
           fmt::format("{} and {} are shards of different computations: another scene, "

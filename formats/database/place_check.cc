@@ -47,8 +47,10 @@ void compare_between(const ResponseDatabase& database,
     }
     const Eigen::Vector3d n =
         database.normal.row(static_cast<Eigen::Index>(v)).transpose();
+    // As far as all three corners reach.
     end_m = std::min(end_m, PlacedResponse(response[v], n).placed.end_m());
   }
+  // The tool's reference point at penetration delta: x = at + (S(n) - delta) n.
   const Eigen::Vector3d outward = corners.blended(database.normal).normalized();
   const Eigen::Vector3d at_m = corners.blended(database.body.position_m);
   const double height_m = height_at_touch_m(database.tools[tool].tool, outward);
@@ -61,6 +63,8 @@ void compare_between(const ResponseDatabase& database,
   }
   const Points force_n = stored(database, tool, x_m);
   for (std::size_t i = 0; i < kErrorsFrom.size(); ++i) {
+    // Errors from a share of the better curve's depth on; 1e-12 keeps the depth that is
+    // meant.
     const double from_m = kErrorsFrom[i] * better.placed.end_m();
     const auto first =
         std::lower_bound(depth_m.begin(), depth_m.end(), from_m * (1.0 - 1e-12)) -

@@ -96,6 +96,7 @@ void compare(const ResponseDatabase& exact, const ResponseDatabase& coarse,
         const double d = a.depth_max_m() * j / kDepths;
         const ResponseSample x = a.at(d);
         const ResponseSample y = b.at(d);
+        // Relative to the largest of the same curve: near the touch a force is small.
         force.add(x.force_n, y.force_n, largest(a.force_n));
         stiffness.add(x.stiffness_n_per_m, y.stiffness_n_per_m, stiffest);
         energy.add(x.energy_j, y.energy_j, largest(a.energy_j));

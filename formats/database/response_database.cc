@@ -37,6 +37,8 @@ void write_database(const std::filesystem::path& file,
 
 void write_unchecked(const std::filesystem::path& file,
                      const ResponseDatabase& database) {
+  // Neighbours on the surface lie near one another in the file, so that a chunk is a
+  // patch.
   const StorageOrder order = storage_order(database.body);
   const ResponseDatabase ordered = select_nodes(database, order.node, order.triangle);
   const DatabaseIndex index = make_index(ordered, order);
@@ -53,6 +55,7 @@ void write_unchecked(const std::filesystem::path& file,
   for (const ResponseTable& table : ordered.tools) {
     content::exchange_tool(out, "/tools/" + table.tool.name, table);
   }
+  // The digest is of the content. What follows from the content is written after it.
   const std::string digest = out.digest();
   content::exchange_vtk(out, ordered);
   content::exchange_storage(out, database.storage);

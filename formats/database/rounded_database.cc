@@ -33,6 +33,7 @@ void round_table(ResponseTable& table, Precision precision) {
     const std::span force = std::span(table.force_n).subspan(begin, count);
     round_values(depth, precision);
     round_values(force, precision);
+    // Two depths that became one would have no slope between them.
     const auto twin = std::adjacent_find(depth.begin(), depth.end());
     if (twin != depth.end()) {
       throw InputError(
@@ -44,6 +45,7 @@ void round_table(ResponseTable& table, Precision precision) {
     table.flags[node] = static_cast<std::uint8_t>(
         falls ? table.flags[node] | kFallingCurve : table.flags[node] & ~kFallingCurve);
   }
+  // Slopes and energies of the rounded samples, so that E' = f still holds.
   remake_curves(table);
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     table.stiffness_max_n_per_m[static_cast<std::size_t>(i)] =

@@ -122,6 +122,7 @@ MemorySites select_sites(const MemorySites& sites, Nodes nodes,
   selected.spacing_m = sites.spacing_m;
   selected.site = rows_at(sites.site, nodes);
   selected.weight = rows_at(sites.weight, nodes);
+  // row: -1 not read by a selected node, 0 read; then its new number.
   std::vector<std::int32_t> row(sites.node.size(), -1);
   for (const std::int32_t site : selected.site.reshaped()) {
     if (site >= 0) {
@@ -132,6 +133,7 @@ MemorySites select_sites(const MemorySites& sites, Nodes nodes,
     if (row[i] == 0) {
       row[i] = static_cast<std::int32_t>(selected.node.size());
       const std::int32_t node = sites.node[i];
+      // A site at a node that is not selected stays as a site without a node.
       selected.node.push_back(node >= 0 ? place[index(node)] : -1);
     }
   }
@@ -181,6 +183,7 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.stiffness_max_n_per_m = rows_at(table.stiffness_max_n_per_m, nodes);
   selected.origin = rows_at(table.origin, nodes);
   selected.flags = rows_at(table.flags, nodes);
+  // Runs of samples by node, with new beginnings.
   selected.sample_begin = begins_of(table.sample_begin, nodes);
   selected.depth_m = runs_of(table.depth_m, table.sample_begin, nodes);
   selected.force_n = runs_of(table.force_n, table.sample_begin, nodes);
@@ -276,6 +279,7 @@ void remake_curves(ResponseTable& table) {
       continue;
     }
     try {
+      // Slopes and energies are functions of depths and forces.
       const ResponseCurve curve(std::span(table.depth_m).subspan(at, count),
                                 std::span(table.force_n).subspan(at, count));
       const CurveView view = curve.view();

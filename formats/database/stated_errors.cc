@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 bool is_hard(const NodeResponse& response) {
-  return (response.flags & kHardPath) != 0;
+  return (response.flags & kNearSingular) != 0;
 }
 
 // (n) Whether a vertex is in an element with a hard one: so all of a place's estimates
@@ -126,6 +126,7 @@ AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
       .hard_covered = factor.hard.factor > 0.0 ? factor.hard.covered : 0.0,
       .quantile_level = {},
       .error_relative = {}};
+  // Checks that failed (infinite) or found nothing (NaN) are not among the quantiles.
   std::vector<double> verified;
   for (const PlaceCheck& check : checks) {
     if (std::isfinite(check.found)) {

@@ -68,6 +68,7 @@ void read_viscoelasticity_head(Hdf5Reader& file, const std::string& group,
             .front();
     for (const auto& [name, type] : {std::pair{"/site", Hdf5Type::kInt32},
                                      std::pair{"/weight", Hdf5Type::kFloat32}}) {
+      // Rows by node are read chunk by chunk later; their shapes are checked here.
       static_cast<void>(
           file.shape_of(groups.memory + name, "1", type, {nodes, kMostNodeSites}));
     }
@@ -83,6 +84,7 @@ void read_node_rows(const Hdf5Reader& file, const std::string& group,
     values.resize(count, columns);
     file.rows(path, "1", hdf5_type<Value>(), begin, count, columns, values.data());
   };
+  // Without a row of the whole tool, g has one for each node.
   if (!relaxation.empty() && relaxation.g.rows() == 0) {
     rows(groups.relaxation + "/g", relaxation.g, relaxation.terms());
   }

@@ -80,6 +80,8 @@ void check_sites(const std::string& group, const MemorySites& sites, std::int64_
       }
       sum += weight;
     }
+    // Weights of a node that remembers sum to 1, so that equal sites blend to their
+    // value.
     const bool none = (sites.site.row(i).array() < 0).all();
     if (!none && !(std::abs(sum - 1.0) <= kSumTolerance)) {
       fail("{}/weight: row {} sums to {:.6g}, must sum to 1", group, first + i, sum);

@@ -98,13 +98,13 @@ struct Assembly {
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
   std::int64_t tilts_limited = 0;  ///< their force leans or turns more (tilt_line.h)
-  std::int64_t hard_path = 0;      ///< other equilibria may lie near
+  std::int64_t near_singular = 0;  ///< other equilibria may lie near
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
-  double hard_error_factor = 0.0;  ///< [-] the same beside nodes with kHardPath
+  double hard_error_factor = 0.0;  ///< [-] the same beside nodes with kNearSingular
   /// [-] The share of nodes that stated errors hold for, as known from the number of
   /// checks. Of tools the share is the least, 0.95 at most; and of nodes with
-  /// kHardPath.
+  /// kNearSingular.
   double error_covered = kErrorCoverage;
   double hard_error_covered = kErrorCoverage;
   std::int64_t checked_in_vain = 0;     ///< checks that failed: they count as misses

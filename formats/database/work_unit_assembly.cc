@@ -82,7 +82,7 @@ void count(const JobDescription& plan, const WorkUnitNode& node, Assembly& assem
   if (has_curve) {
     ++(response.origin == ResponseOrigin::kInterpolated ? assembly.interpolated
                                                         : assembly.solved);
-    assembly.hard_path += (response.flags & kHardPath) != 0 ? 1 : 0;
+    assembly.near_singular += (response.flags & kNearSingular) != 0 ? 1 : 0;
     assembly.reaching_elsewhere += node.reaches_elsewhere ? 1 : 0;
   } else if (node.failure.empty()) {
     ++assembly.untouched;

@@ -134,6 +134,8 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& file) : file_(file) {
     fail(fmt::format("is not an HDF5 file ({} bytes), must be a response database",
                      bytes_));
   }
+  // A file with holes states any size at no cost. Its size is then no measure of how
+  // much memory its datasets may ask for.
   if (const std::uintmax_t written = written_bytes(file);
       bytes_ / kInflation > written) {
     bytes_ = std::min(bytes_, std::max(kSmall, written));

@@ -38,6 +38,7 @@ void Hdf5Writer::reals(const std::string& path, const char* units,
   if (storage_.precision == Precision::kFloat32) {
     derived(path, units, std::vector<float>(values.begin(), values.end()));
   } else {
+    // int16: value = scale * step, one scale for each node's run of samples.
     std::vector<std::int16_t> steps(values.size());
     std::vector<double> scale;
     for (std::size_t i = 0; i + 1 < begin.size(); ++i) {
@@ -100,6 +101,7 @@ void Hdf5Reader::rows_as_reals(const std::string& path, const char* units,
     fail(fmt::format("dataset {} has {} rows, sample_begin does not divide them", path,
                      count));
   }
+  // value = scale * step; scale[i] is of node first_node + i.
   std::vector<std::int16_t> steps(values.size());
   std::vector<double> scale(begin.size() - 1);
   rows(path, units, Hdf5Type::kInt16, first_row, count, 0, steps.data());

@@ -43,6 +43,7 @@ void Hdf5Reader::rows(const std::string& path, const char* units, Hdf5Type type,
   if (count == 0) {
     return;
   }
+  // Rows [begin, begin + count) of the file, all columns, to as many rows in memory.
   const std::array<hsize_t, 2> start{static_cast<hsize_t>(begin), 0};
   const std::array<hsize_t, 2> size{static_cast<hsize_t>(count),
                                     static_cast<hsize_t>(columns)};

@@ -191,6 +191,8 @@ MeasurementFile read_afm_curve(const std::filesystem::path& file, int number) {
     afm.fail(fmt::format("group \"{}\" has {} forces, {} positions and {} times", group,
                          samples, depth.size(), result.samples.time_s.size()));
   }
+  // depth = -(height + F / k): the height falls as the probe nears, and the cantilever
+  // takes F / k of the way. A tip position has that already.
   const double bending_per_n =
       position == std::begin(kAfmPositions) ? 0.0 : 1.0 / afm.spring_n_per_m(group);
   for (std::size_t i = 0; i < samples; ++i) {

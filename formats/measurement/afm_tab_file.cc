@@ -42,6 +42,8 @@ TabFile read_tab(const std::filesystem::path& file) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     const std::string_view line = trimmed(rest.substr(1, end - 1));
     rest.remove_prefix(std::min(end + 1, rest.size()));
+    // "# BEGIN METADATA", lines of JSON, "# END METADATA"; the last other comment names
+    // the columns.
     if (line == kBegin || line == kEnd) {
       inside = line == kBegin;
     } else if (inside) {
@@ -112,6 +114,7 @@ MeasurementFile read_afm_tab(const std::filesystem::path& file, const Instrument
                     "short or joined",
                     tab.name, depth.size(), *count));
   }
+  // depth = -(height + F / k); a tip position has the bending F / k already.
   double bending_per_n = 0.0;
   if (position != std::begin(kAfmPositions)) {
     const auto spring = tab.number("spring constant");

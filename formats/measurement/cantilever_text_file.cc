@@ -25,7 +25,7 @@ constexpr const char* kJpkHeights[] = {"measuredHeight", "smoothedMeasuredHeight
 
 // What the comments above a segment's rows tell: "springConstant: 0.3".
 struct JpkText {
-  std::map<std::string, std::string> told;
+  std::map<std::string, std::string> given;
   Cells columns, units;
 
   [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const {
@@ -43,7 +43,7 @@ void take_comment(std::string_view line, JpkText& head) {
   }
   const std::string key(trimmed(line.substr(1, colon - 1)));
   const std::string value(trimmed(line.substr(colon + 1)));
-  head.told[key] = value;
+  head.given[key] = value;
   if (key == "columns") {
     head.columns = split_cells(value, ' ');
   } else if (key == "units") {
@@ -76,10 +76,11 @@ JpkColumns columns_of(const std::string& file, const JpkText& head) {
   }
   at.height = *head.column(*height);
   at.force = *force;
+  // depth = -height - F / k needs the force in newtons, and k.
   const auto newtons = force_unit_si(head.units[at.force]);
-  const auto told = head.told.find("springConstant");
+  const auto given = head.given.find("springConstant");
   const auto spring =
-      told == head.told.end() ? std::nullopt : parse_number(told->second, false);
+      given == head.given.end() ? std::nullopt : parse_number(given->second, false);
   if (!newtons || !spring || !(*spring > 0.0)) {
     throw InputError(fmt::format(
         "{}: the vertical deflection is in {}, {}: export the force in N, with the "
@@ -126,7 +127,7 @@ struct JpkRows {
     if (!known) {
       at = columns_of(file, head);
       known = true;
-      segments += (segments.empty() ? "" : ", ") + head.told["segment"];
+      segments += (segments.empty() ? "" : ", ") + head.given["segment"];
     }
     const Cells cells = split_cells(line.text, ' ');
     const double force_n = at.newtons * number_of_head(file, line, cells, at.force);
@@ -224,6 +225,7 @@ NanoScopeWay columns_of(const NanoScope& curve, const char* way) {
     force = curve.column("Defl", way, "nN");
     at.newtons = 1e-9;
   }
+  // depth = ramp - bending. The bending is stated in nm, or is V times nm/V, or F / k.
   const bool bending =
       bent || (volts && curve.metres_per_volt) || (force && curve.spring_n_per_m);
   if (!ramp || !bending || (!force && !curve.spring_n_per_m)) {
@@ -268,14 +270,14 @@ void take_way(const NanoScope& curve, const NanoScopeWay& at, Measurement& sampl
   }
 }
 
-bool told(const InstrumentRequest& request) {
-  return !request.told.depth.column.empty() || !request.told.force.column.empty();
+bool given(const InstrumentRequest& request) {
+  return !request.given.depth.column.empty() || !request.given.force.column.empty();
 }
 
 // What the flags say of the columns goes before the head.
 MeasurementFile by_flags(const std::filesystem::path& file,
                          const InstrumentRequest& request) {
-  return read_measurement(file, request.told, request.header_units);
+  return read_measurement(file, request.given, request.header_units);
 }
 
 }  // namespace
@@ -294,12 +296,13 @@ bool is_nanoscope_text(const std::filesystem::path&, std::string_view head) {
 
 MeasurementFile read_jpk_text(const std::filesystem::path& file, const InstrumentCurve&,
                               const InstrumentRequest& request) {
-  if (told(request)) {
+  if (given(request)) {
     return by_flags(file, request);
   }
   const std::string text = read_file(file);
   JpkRows rows{.file = file.string(), .with_time = request.with_time};
   std::size_t number = 1;
+  // Comments between the rows begin another segment, and may state other columns.
   for (std::string_view rest = text; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     rows.take({number, std::string(trimmed(rest.substr(0, end)))});
@@ -322,7 +325,7 @@ MeasurementFile read_jpk_text(const std::filesystem::path& file, const Instrumen
 MeasurementFile read_nanoscope_text(const std::filesystem::path& file,
                                     const InstrumentCurve&,
                                     const InstrumentRequest& request) {
-  if (told(request)) {
+  if (given(request)) {
     return by_flags(file, request);
   }
   const NanoScope curve = read_head(file);

@@ -136,6 +136,8 @@ std::optional<std::size_t> one_of_twins(std::span<const TextLine> lines,
       })) {
     return std::nullopt;
   }
+  // A column with glitches goes a longer way. Of the smooth ones, one that moves
+  // upwards is taken before one that moves down.
   double shortest = way(first);
   for (const Numbers& column : numbers) {
     shortest = std::min(shortest, way(column));
@@ -241,17 +243,17 @@ std::string only_one(const std::string& file, std::span<const TextLine> lines,
 
 MeasurementColumns columns_of_lines(const std::string& file,
                                     std::span<const TextLine> lines,
-                                    const MeasurementColumns& told,
+                                    const MeasurementColumns& given,
                                     std::vector<std::string>* notes) {
-  MeasurementColumns columns = told;
+  MeasurementColumns columns = given;
   std::optional<TableHeader> header;
-  if (told.depth.column.empty() || told.force.column.empty()) {
+  if (given.depth.column.empty() || given.force.column.empty()) {
     header = header_of(file, lines);
   }
-  if (told.depth.column.empty() && told.force.column.empty()) {
+  if (given.depth.column.empty() && given.force.column.empty()) {
     refuse_deflection(file, *header);
   }
-  if (header && !told.time && notes != nullptr) {
+  if (header && !given.time && notes != nullptr) {
     if (const auto times = columns_with_unit(*header, kTime); times.size() > 1) {
       notes->push_back(fmt::format("{} are times: none is taken; tell which",
                                    listed(*header, times)));

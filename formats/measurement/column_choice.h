@@ -16,12 +16,12 @@ namespace palpate {
 /// change, or a force in two units. One reading of 50 may be wild. Taken is a column
 /// without wild readings, of these the first whose values move upwards from where they
 /// begin; a note says so.
-/// @param file for messages. @param told columns with a name are kept, and units that
+/// @param file for messages. @param given columns with a name are kept, and units that
 /// are not empty. @param notes a clause for every choice among several; may be null.
 /// @throws InputError where there is none, or several that differ, naming those that
 /// there are.
 [[nodiscard]] MeasurementColumns columns_of_lines(
     const std::string& file, std::span<const TextLine> lines,
-    const MeasurementColumns& told, std::vector<std::string>* notes = nullptr);
+    const MeasurementColumns& given, std::vector<std::string>* notes = nullptr);
 
 }  // namespace palpate

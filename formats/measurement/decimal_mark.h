@@ -1,5 +1,5 @@
-// Whether a comma or a point separates thousands cannot be told from one cell: "1,234".
-// It can where another cell of the table has the other mark, or none.
+// Whether a comma or a point separates thousands cannot be distinguished from one cell:
+// "1,234". It can where another cell of the table has the other mark, or none.
 #pragma once
 
 #include <cstddef>

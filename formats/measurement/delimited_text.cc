@@ -111,6 +111,7 @@ std::vector<TextLine> text_lines(std::string_view text, const std::string& file,
     if (content.starts_with('#') || (lines.empty() && content.starts_with('%'))) {
       comment = {number, as_utf8(trimmed(content.substr(1)))};
     } else if (!content.empty()) {
+      // The last comment above a first row of numbers names the columns.
       if (lines.empty() && !comment.text.empty() && starts_with_number(content)) {
         lines.push_back(comment);
       }
@@ -130,6 +131,7 @@ std::vector<std::string> split_cells(std::string_view line, char delimiter) {
   const bool quotes = line.find('"') != std::string_view::npos;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const bool quote = line[i] == '"';
+    // Two quotes within quotes are one quote of the text.
     if (quote && quoted && i + 1 < line.size() && line[i + 1] == '"') {
       cells.back() += line[i++];
     } else if (quote) {

@@ -150,17 +150,17 @@ std::size_t clipped_samples(const Measurement& samples) {
   return still >= kMin && alive ? still : 0;
 }
 
-MeasurementColumns told_columns(const InstrumentCurve& curve,
-                                const InstrumentRequest& request) {
-  const auto first = [](const MeasurementColumn& told, const MeasurementColumn& own) {
-    const bool mine = told.column.empty() && !own.column.empty();
-    return MeasurementColumn{mine ? own.column : told.column,
-                             told.unit.empty() && mine ? own.unit : told.unit};
+MeasurementColumns given_columns(const InstrumentCurve& curve,
+                                 const InstrumentRequest& request) {
+  const auto first = [](const MeasurementColumn& given, const MeasurementColumn& own) {
+    const bool mine = given.column.empty() && !own.column.empty();
+    return MeasurementColumn{mine ? own.column : given.column,
+                             given.unit.empty() && mine ? own.unit : given.unit};
   };
   MeasurementColumns columns;
-  columns.depth = first(request.told.depth, curve.columns.depth);
-  columns.force = first(request.told.force, curve.columns.force);
-  columns.time = request.told.time   ? request.told.time
+  columns.depth = first(request.given.depth, curve.columns.depth);
+  columns.force = first(request.given.force, curve.columns.force);
+  columns.time = request.given.time  ? request.given.time
                  : request.with_time ? curve.columns.time
                                      : std::nullopt;
   return columns;

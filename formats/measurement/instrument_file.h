@@ -41,7 +41,7 @@ struct InstrumentFile {
 
 /// What a reader is to take instead of its own choice; empty texts: nothing.
 struct InstrumentRequest {
-  MeasurementColumns told = {};
+  MeasurementColumns given = {};
   HeaderUnits header_units = HeaderUnits::kMustAgree;
   bool with_time = true;  ///< where there is one column of times
 };
@@ -68,8 +68,8 @@ constexpr std::size_t kInstrumentHead = 1 << 16;  ///< bytes
 [[nodiscard]] std::string name_curves(std::span<const InstrumentCurve> curves);
 
 /// A curve's columns: what is stated, else the layout's choice.
-[[nodiscard]] MeasurementColumns told_columns(const InstrumentCurve& curve,
-                                              const InstrumentRequest& request);
+[[nodiscard]] MeasurementColumns given_columns(const InstrumentCurve& curve,
+                                               const InstrumentRequest& request);
 
 /// Samples at the start in which the depth is 0 to the last bit while the force is not
 /// still. The depth of these samples was set to 0 before contact. 0 where the samples

@@ -237,6 +237,8 @@ MeasurementFile read_jpk(const std::filesystem::path& file,
   MeasurementFile result;
   double begin_s = 0.0;
   for (const Segment& s : segments) {
+    // depth = -(height + bending); sample i of a segment is i / count of its duration
+    // after it began.
     const auto count = static_cast<double>(s.force_n.size());
     for (std::size_t i = 0; i < s.force_n.size(); ++i) {
       result.samples.depth_m.push_back(-(s.height_m[i] + sign * s.bending_m[i]));

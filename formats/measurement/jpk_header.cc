@@ -34,6 +34,8 @@ void take(std::string_view line, std::size_t& at, std::string& text) {
     text += line[at++];
     return;
   }
+  // Java's properties: \t \n \r, \uXXXX of one UTF-16 unit, any other character stands
+  // for itself.
   const char escaped = line[at + 1];
   at += 2;
   if (escaped == 'u' && at + 4 <= line.size()) {
@@ -173,6 +175,7 @@ JpkHeader parse_jpk_header(std::string_view text) {
       continue;
     }
     joined += line;
+    // A line that ends with an odd number of backslashes goes on in the next.
     const std::size_t last = joined.find_last_not_of('\\');
     const std::size_t slashes =
         joined.size() - (last == std::string::npos ? 0 : last + 1);
@@ -218,6 +221,7 @@ JpkScaling jpk_scaling(const JpkHeader& header, const std::string& file,
     total = scaling_at(header, file, encoder + ".scaling");
   }
   const std::string& base = need(header, file, set + "s.base");
+  // From the wanted slot down to the base: each slot names the one that it is made of.
   std::vector<JpkScaling> steps;  // outermost first
   std::string at = slot.empty() ? need(header, file, set + "s.default") : slot;
   for (int step = 0; at != base; ++step) {
@@ -233,6 +237,7 @@ JpkScaling jpk_scaling(const JpkHeader& header, const std::string& file,
     steps.push_back(scaling_at(header, file, key + ".scaling"));
     at = need(header, file, key + ".base-calibration-slot");
   }
+  // y = b + m (offset + multiplier x): slots are applied from the base upwards.
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     total.multiplier *= step->multiplier;
     total.offset = total.offset * step->multiplier + step->offset;
@@ -248,6 +253,7 @@ std::vector<double> jpk_numbers(const JpkHeader& header, const std::string& file
   if (!encoder.empty()) {
     type = need(header, file, encoder + ".type");
   } else {
+    // Segments name the type under "data", shared headers without it.
     const auto data = header.find("channel." + channel + ".data.type");
     const auto shared = header.find("channel." + channel + ".type");
     type = data != header.end()     ? data->second

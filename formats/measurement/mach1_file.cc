@@ -58,6 +58,8 @@ std::vector<Block> blocks_of(std::string_view text) {
     block = Block{};
     place = kOutside;
   };
+  // <INFO> ... <END INFO>, <name of the function>, "key: value" lines, <DATA>, a line
+  // of names, rows, <END DATA>; then the next block.
   std::size_t number = 1;
   for (std::size_t at = 0, next = 0; at < text.size(); at = next, ++number) {
     const std::string_view line = line_at(text, at, next);
@@ -186,6 +188,8 @@ std::optional<Along> along(const std::string& file, std::span<const TextLine> li
     const std::vector<double>& part = lengths ? m.depth_m : m.force_n;
     result.value.resize(part.size(), 0.0);
     for (std::size_t i = 0; i < part.size(); ++i) {
+      // sum over axes of n_axis part_axis: ways from the first row on, forces as they
+      // are.
       result.value[i] += direction[axis] * (part[i] - (lengths ? part.front() : 0.0));
     }
     result.columns += fmt::format("{}\"{}\"", axis == 0 ? "" : ", ", name);
@@ -252,6 +256,8 @@ InstrumentFile list_mach1(const std::filesystem::path& file) {
     const std::string& kind = block.curve.kind;
     return named(kNoPress, kind) ? 0 : named(kMayPress, kind) ? 1 : 2;
   };
+  // Unknown functions rank above kMayPress, and those above kNoPress. The best rank in
+  // the file counts, and rank 0 never does.
   int best = 0;
   for (const Block& block : blocks) {
     best = std::max(best, rank(block));
@@ -288,19 +294,19 @@ MeasurementFile read_mach1(const std::filesystem::path& file,
     throw FormatError(fmt::format("{}: line {}: the block <{}> holds no rows",
                                   file.string(), curve.line, curve.kind));
   }
-  MeasurementColumns columns = told_columns(curve, request);
+  MeasurementColumns columns = given_columns(curve, request);
   for (MeasurementColumn* column : {&columns.depth, &columns.force}) {
     column->unit = column->unit.empty() ? kUnitFromHeader : column->unit;
   }
-  if (!request.told.time &&
+  if (!request.given.time &&
       matching_columns(split_cells(lines.front().text, '\t'), "Time").size() != 1) {
     columns.time.reset();
   }
   MeasurementFile result =
       read_table(file.string(), lines, columns, request.header_units);
-  const bool told =
-      !request.told.depth.column.empty() || !request.told.force.column.empty();
-  if (curve.normal && !told) {
+  const bool given =
+      !request.given.depth.column.empty() || !request.given.force.column.empty();
+  if (curve.normal && !given) {
     project(file.string(), lines, *curve.normal, result);
   }
   return result;

@@ -61,6 +61,7 @@ std::vector<MapPoint> read_mach1_map(const std::string& file,
   };
   const std::size_t id = column("PointID"), type = column("PointType"),
                     x = column("ScanX"), y = column("ScanY");
+  // Without a unit in the name: mm, as the software's maps have it.
   const double x_unit = length_unit_si(parse_column_name(names[x]).unit).value_or(1e-3);
   const double y_unit = length_unit_si(parse_column_name(names[y]).unit).value_or(1e-3);
   std::vector<MapPoint> points;

@@ -176,6 +176,7 @@ std::vector<InstrumentCurve> tables_in(std::span<const TextLine> lines) {
   const bool timed = std::any_of(tables.begin(), tables.end(), [](const Table& table) {
     return table.timed();
   });
+  // Beside tables of samples in time, one without time is a summary.
   std::erase_if(tables, [&](const Table& table) {
     return timed && !table.timed();
   });
@@ -201,7 +202,7 @@ MeasurementFile read_lines(const std::string& file, std::span<const TextLine> li
   const auto part = lines.subspan(curve.begin, curve.end - curve.begin);
   std::vector<std::string> notes;
   const MeasurementColumns columns =
-      columns_of_lines(file, part, told_columns(curve, request), &notes);
+      columns_of_lines(file, part, given_columns(curve, request), &notes);
   MeasurementFile result = read_table(file, part, columns, request.header_units);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   if (const std::size_t clipped = clipped_samples(result.samples);

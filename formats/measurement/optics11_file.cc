@@ -107,16 +107,17 @@ MeasurementFile read_optics11(const std::filesystem::path& file, const Instrumen
   if (!matching_columns(split_cells(lines.front().text, '\t'), "Time").empty()) {
     head.columns.time = MeasurementColumn{"Time", kUnitFromHeader};
   }
-  MeasurementColumns columns = told_columns(head, request);
+  MeasurementColumns columns = given_columns(head, request);
   for (MeasurementColumn* column : {&columns.depth, &columns.force}) {
     column->unit = column->unit.empty() ? kUnitFromHeader : column->unit;
   }
   MeasurementFile result =
       read_table(file.string(), lines, columns, request.header_units);
-  if (!request.told.depth.column.empty()) {
+  if (!request.given.depth.column.empty()) {
     refuse_clipped(file.string(), result);
     return result;
   }
+  // depth = piezo's way - cantilever's bending.
   columns.depth = {"Cantilever", kUnitFromHeader};
   columns.time.reset();
   const MeasurementFile bending =

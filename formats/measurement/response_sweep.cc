@@ -203,6 +203,8 @@ ResponseSweep read_sweep(const std::filesystem::path& file) {
   const std::vector<std::string> names = read_names(file, lines);
   const auto rows = read_sweep_rows(lines, names.size(), file.string());
   ResponseSweep sweep;
+  // vertex, parameters, depth_m, force_n: row (v C + c) D + k has vertex v, combination
+  // c of C, depth k of D. require_order() looks.
   for (std::size_t j = 1; j + 2 < names.size(); ++j) {
     sweep.parameter.push_back({names[j], distinct(rows, j)});
   }

@@ -21,7 +21,7 @@ bool is_mass(const std::string& unit) {
 // "F_std", "Load SD", "error": how sure another column is.
 bool is_spread(std::string_view name) {
   std::string word;
-  const auto told = [&] {
+  const auto has_units = [&] {
     return word == "std" || word == "sd" || word == "stdev" || word == "stddev" ||
            word == "error" || word == "err" || word == "sem" || word == "sigma" ||
            word == "deviation" || word == "uncertainty";
@@ -29,13 +29,13 @@ bool is_spread(std::string_view name) {
   for (const char c : name) {
     if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
       word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    } else if (told()) {
+    } else if (has_units()) {
       return true;
     } else {
       word.clear();
     }
   }
-  return told();
+  return has_units();
 }
 
 // Units alone: all known, or two known and others that are short. Numbers beside them

@@ -207,7 +207,7 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
   const ZipArchive& zip = open_archive(file);
   const auto shared = shared_texts(zip);
   InstrumentFile result;
-  std::vector<InstrumentCurve> untold;  // numbers without units: who asks tells
+  std::vector<InstrumentCurve> without_units;  // numbers without units: who asks tells
   std::string without;
   for (const Sheet& sheet : sheets_of(zip)) {
     const std::vector<TextLine> lines = lines_of(zip, sheet, shared);
@@ -215,8 +215,8 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
       if (curve.line == 0) {
         without += fmt::format("{}\"{}\"", without.empty() ? "" : ", ", sheet.name);
         curve.kind = sheet.name;
-        curve.number = static_cast<int>(untold.size()) + 1;
-        untold.push_back(std::move(curve));
+        curve.number = static_cast<int>(without_units.size()) + 1;
+        without_units.push_back(std::move(curve));
         continue;
       }
       curve.kind = sheet.name;
@@ -225,7 +225,7 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
     }
   }
   if (result.curve.empty()) {
-    result.curve = std::move(untold);
+    result.curve = std::move(without_units);
   } else if (!without.empty()) {
     result.left_out = "sheets without a length and a force: " + without;
   }

@@ -39,12 +39,15 @@ PolygonSoup read_obj(std::string bytes) {
   std::string next;
   for (std::string line; std::getline(lines, line);) {
     const int first = ++number;
+    // A backslash at its end joins a line with the next.
     while (line.ends_with('\\') && std::getline(lines, next)) {
       line.back() = ' ';
       line += next;
       ++number;
     }
     std::string_view rest = line;
+    // "v x y z" and "f v/vt/vn ...", v from 1 or backwards from -1; all else is passed
+    // over.
     const std::string_view statement = take_word(rest);
     if (statement == "v") {
       soup.point.push_back(read_point(rest, soup.point.size() + 1, first));

@@ -93,6 +93,7 @@ class CornerSoup {
 void weld_rounded(PolygonSoup& soup) {
   const std::vector<std::size_t> first =
       first_within(soup.point, rounding_of(soup.point));
+  // first[v] <= v is the vertex that v becomes; number counts those that stay.
   std::vector<std::size_t> number(first.size());
   std::vector<Eigen::Vector3d> kept;
   for (std::size_t v = 0; v < first.size(); ++v) {
@@ -109,6 +110,7 @@ void weld_rounded(PolygonSoup& soup) {
     for (std::size_t& corner : face) {
       corner = number[corner];
     }
+    // A triangle of which two corners became one has no area.
     if (face.size() != 3 ||
         (face[0] != face[1] && face[1] != face[2] && face[2] != face[0])) {
       whole.push_back(std::move(face));

@@ -110,6 +110,8 @@ SurfaceSearch::SurfaceSearch(const SurfaceMesh& mesh)
       ++vertex_begin_[at(v) + 1];
     }
   }
+  // Counts become beginnings: vertex v has vertex_triangle_ from vertex_begin_[v] to
+  // vertex_begin_[v + 1].
   std::partial_sum(vertex_begin_.begin(), vertex_begin_.end(), vertex_begin_.begin());
   std::vector<std::int32_t> next(vertex_begin_.begin(), vertex_begin_.end() - 1);
   for (std::int32_t t = 0; t < triangles; ++t) {
@@ -174,6 +176,8 @@ SurfacePoint SurfaceSearch::nearest(const Eigen::Vector3d& p_m) const noexcept {
     std::int32_t box;
     double distance2;
   };
+  // Boxes that may hold a nearer point. The nearer child is opened first, so that most
+  // others are then too far to be opened.
   std::array<Open, kStack> stack{};
   std::size_t open = 0;
   stack[open++] = {0, box_[0].bounds.squaredExteriorDistance(p_m)};

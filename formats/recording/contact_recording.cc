@@ -81,6 +81,8 @@ void check_tick_rows(const Hdf5Reader& file, const ContactRows& r) {
                             columns, rows, wanted));
     }
   };
+  // Of each hand: pose x y z [m] and a unit quaternion, wrench force [N] and torque [N
+  // m].
   expect("pose", r.pose.rows(), r.pose.cols(), 7 * r.hands());
   expect("wrench", r.wrench.rows(), r.wrench.cols(), 6 * r.hands());
   expect("contacts", static_cast<Eigen::Index>(r.contacts.size()), 1, 1);
@@ -171,6 +173,7 @@ Recording as_recording(const ContactRows& r) {
   recording.end.fault = r.fault;
   recording.old = {
       .time_s = r.time_s,
+      // Ticks from one slow update to the next.
       .answer_ticks = std::max<std::int64_t>(1, std::llround(r.fast_hz / r.slow_hz))};
   return recording;
 }
@@ -208,6 +211,7 @@ Recording read_contact_recording(const std::filesystem::path& file) {
   std::string tools;
   in.attribute("/", "tools", tools);
   rows.tools = split_lines(tools);
+  // Version 1 knew one local model.
   if (version == 1) {
     rows.model = "facets";
   } else {

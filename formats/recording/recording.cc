@@ -161,6 +161,7 @@ RecordingHeader Reader::header() const {
     }
   };
   read_all(recording::kTexts, recording::kNumbers);
+  // Version 1 called the field over facets "potential".
   header.model = recorded_model(version, header.model);
   if (version >= 3) {
     read_all(recording::kAddedTexts, recording::kAddedNumbers);
@@ -173,10 +174,14 @@ RecordingHeader Reader::header() const {
 
 // Ours in every respect: nothing else is handed to HDF5 to interpret.
 Handle Reader::dataset(const Column& column) const {
-  if (hdf5::link_at(id_.get(), column.path) != hdf5::Link::kHard) {
+  const auto stored = [this](const char* path) {
+    return path != nullptr && hdf5::link_at(id_.get(), path) == hdf5::Link::kHard;
+  };
+  const char* path = stored(column.former) ? column.former : column.path;
+  if (!stored(path)) {
     fail(fmt::format("dataset {} is missing or a link to another", column.path));
   }
-  Handle opened(H5Dopen2(id_.get(), column.path, H5P_DEFAULT), H5Dclose);
+  Handle opened(H5Dopen2(id_.get(), path, H5P_DEFAULT), H5Dclose);
   const Handle type(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
   const Handle create(opened ? H5Dget_create_plist(opened.get()) : -1, H5Pclose);
   unsigned flags = 0;
@@ -230,6 +235,8 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
   for (const Column& column : columns) {
     opened.push_back(dataset(column));
     const std::size_t rows = extent(column, opened.back().get());
+    // Columns are written one after another: where the writer died, the shortest
+    // counts.
     if (ended && count != SIZE_MAX && rows != count) {
       fail(fmt::format("dataset {} has {} rows, must have {}", column.path, rows,
                        count));
@@ -237,6 +244,7 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
     count = std::min(count, rows);
   }
   std::vector<Row> table;
+  // A block of a column after the other, each scattered over the rows' members.
   std::vector<std::byte> packed(kRecordingBlock * kWidest * sizeof(double));
   for (std::size_t begin = 0; begin < count; begin += kRecordingBlock) {
     const std::size_t block = std::min(kRecordingBlock, count - begin);
@@ -247,6 +255,8 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
           fail(fmt::format("dataset {}, rows from {}: damaged: {}", columns[i].path,
                            begin, hdf5::last_failure()));
         }
+        // A block that was not written ends what is known; in an ended recording it is
+        // damage.
         table.resize(begin);
         return table;
       }
@@ -275,7 +285,7 @@ bool all_finite(const TickRecord& tick) {
   // A pose is as measured: what the device said, even if that is no number.
   const std::array<double, 6> numbers{tick.depth_m,      tick.work_j,
                                       tick.stored_j,     tick.tank_j,
-                                      tick.dissipated_j, tick.relaxed_shift_m};
+                                      tick.dissipated_j, tick.rest_offset_m};
   const auto finite = [](double x) {
     return std::isfinite(x);
   };
@@ -306,6 +316,7 @@ void check(const Recording& recording, const Reader& reader) {
     }
   }
   for (std::size_t i = 1; i < recording.arrival.size(); ++i) {
+    // Elements are accepted again in this order.
     if (recording.arrival[i].tick < recording.arrival[i - 1].tick) {
       reader.fail(fmt::format("arrival in row {} is earlier than the one before", i));
     }

@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-constexpr std::int64_t kRecordingVersion = 3;  ///< readers take 1 and 2, too
+constexpr std::int64_t kRecordingVersion = 4;  ///< readers take 1 to 3, too
 
 /// What a model is called now that a file of a version names. In version 1 "potential"
 /// was the field that is linear over facets.
@@ -55,7 +55,7 @@ struct TickRecord {
   double stored_j = 0.0;               ///< [J] potential of the local model
   double tank_j = 0.0;                 ///< [J]
   double dissipated_j = 0.0;           ///< [J] since the start
-  double relaxed_shift_m = 0.0;        ///< [m] delta_0 that the ledger had to take
+  double rest_offset_m = 0.0;          ///< [m] delta_0 that the ledger had to take
   std::int32_t triangle = -1;          ///< that holds the contact point; -1 none
   std::uint8_t flags = 0;              ///< TickFlag bits
   std::uint8_t raised = 0;             ///< fault found outside the step, before it

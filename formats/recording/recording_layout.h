@@ -17,6 +17,7 @@ struct Column {
   Hdf5Type type;
   std::size_t offset;  ///< [bytes] of the member in the row
   std::size_t width;
+  const char* former = nullptr;  ///< path in versions 1 to 3, where it was another
 };
 
 struct TextField {
@@ -46,7 +47,7 @@ inline constexpr std::array kTickColumns{
     Column{"/tick/dissipated_j", "J", Hdf5Type::kFloat64,
            offsetof(TickRecord, dissipated_j), 1},
     Column{"/tick/relaxed_shift_m", "m", Hdf5Type::kFloat64,
-           offsetof(TickRecord, relaxed_shift_m), 1},
+           offsetof(TickRecord, rest_offset_m), 1, "/tick/relaxed_shift_m"},
     Column{"/tick/triangle", "1", Hdf5Type::kInt32, offsetof(TickRecord, triangle), 1},
     Column{"/tick/flags", "1", Hdf5Type::kUint8, offsetof(TickRecord, flags), 1},
     Column{"/tick/raised", "1", Hdf5Type::kUint8, offsetof(TickRecord, raised), 1},

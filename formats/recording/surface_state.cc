@@ -78,6 +78,7 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
     }
     exchange_columns(out, tool, columns);
   }
+  // The digest is of all before; as a remark it is not part of itself.
   out.remark("/", kDigestName, out.digest());
   atomic.write(out.image());
   atomic.commit();
@@ -185,6 +186,7 @@ void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where
       throw FormatError(fmt::format("{}/table has {} after {}, must rise from 0 on",
                                     where, row.table, table));
     }
+    // Sites rise within a table, and begin anew with the next.
     before = row.table > table ? -1 : before;
     table = row.table;
     if (row.site <= before) {

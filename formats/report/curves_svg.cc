@@ -137,6 +137,8 @@ std::vector<ShownCurve> choose_curves(const SurfaceMap& map, const Points& norma
     const double last = static_cast<double>(order.size() - 1);
     const auto at = std::lround(rank.part * last);
     std::int64_t node = order[static_cast<std::size_t>(at)];
+    // The node of the rank, or the nearest in rank that the picture shows, within the
+    // slack.
     for (long off = 0; off <= std::lround(rank.slack * last) && !is_seen(node); ++off) {
       for (const long i : {at - off, at + off}) {
         const std::int64_t other = order[static_cast<std::size_t>(i)];

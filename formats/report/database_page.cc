@@ -151,7 +151,7 @@ std::string tool_rows(const ResponseTable& table) {
                           "truncated, {} with a path that was hard to follow",
                           all.falling, all.force_capped, all.coarse_contact,
                           all.error_over_budget, all.failed, all.extrapolated,
-                          all.truncated_path, all.hard_path));
+                          all.truncated_path, all.near_singular));
   if (const std::string again = histories(table); !again.empty()) {
     text += row("solved again", again);
   }

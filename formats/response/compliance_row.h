@@ -9,7 +9,7 @@
 //   C_ij = (c_i(r) + c_j(r)) / 2 + sum_m s_m b_im b_jm,
 //
 // b_m [m^1/2 N^-1/2] modes by which parts of the body move as a whole, whatever the
-// distance (a lobe that tilts). s_m = 1 for the first mode, -1 for the others.
+// distance (a lobe that tilts). s_m = 1 for the first added_modes, -1 for the rest.
 //
 // Between knots v is the cubic in ln r through the knots (Catmull-Rom). The cubic's
 // slopes are (v_{k+1} - v_{k-1}) / 2 a step, at the first knot v_1 - v_0, at the

@@ -237,6 +237,9 @@ MemorySites place_sites(const SurfaceMesh& body, const Points& normal,
   sites.node = farthest_points(graph, remembers, kCovered * spacing_m);
   sites.site.setConstant(n, kMostNodeSites, -1);
   sites.weight.setZero(n, kMostNodeSites);
+  // Which sites are near a node: a walk from each site along edges, to kAround
+  // spacings. The sites come one after another, so that the last one known shows a
+  // second visit.
   std::vector<std::vector<std::int32_t>> around(remembers.size());
   for (std::size_t s = 0; s < sites.node.size(); ++s) {
     graph.walk(sites.node[s], kAround * spacing_m, [&](std::int32_t node, double) {
@@ -256,6 +259,8 @@ MemorySites place_sites(const SurfaceMesh& body, const Points& normal,
     if (!remembers[as_index(i)] || sites.site(i, 0) >= 0) {
       continue;
     }
+    // Area coordinates in the triangle of sites around the node; at a border shares of
+    // the two nearest.
     const std::vector<Seen> seen =
         sites_around(body, normal, sites.node, around[as_index(i)], i);
     const Weights inside = triangle_around(seen);

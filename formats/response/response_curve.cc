@@ -94,6 +94,8 @@ ResponseCurve::ResponseCurve(std::span<const double> depth_m,
     return (force_[i + 1] - force_[i]) / h(i);
   };
 
+  // Inner slopes: weighted harmonic means of the two secants (Fritsch & Butland 1984).
+  // Ends: three-point slopes, limited to [0, 3 secant] (Fritsch & Carlson 1980).
   slope_.resize(n);
   slope_.front() = n == 2 ? secant(0) : end_slope(secant(0), h(0), secant(1), h(1));
   slope_.back() =
@@ -102,6 +104,8 @@ ResponseCurve::ResponseCurve(std::span<const double> depth_m,
     slope_[i] = limited_slope(secant(i - 1), h(i - 1), secant(i), h(i));
   }
 
+  // E_{i+1} = E_i + h (f_i + f_{i+1}) / 2 + h^2 (m_i - m_{i+1}) / 12: exact for the
+  // cubic.
   energy_.assign(n, 0.0);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     energy_[i + 1] = energy_[i] + interval_energy_j(view(), i);

@@ -16,6 +16,7 @@
 #include "formats/mesh/surface_mesh.h"
 #include "formats/response/compliance_table.h"
 #include "formats/response/curve_view.h"
+#include "formats/response/puncture.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/tilt_line.h"
 #include "formats/response/tool_shape.h"
@@ -45,7 +46,7 @@ enum ResponseFlag : std::uint8_t {
   kTruncatedPath = 64,   ///< ends early: solve stopped, or tool at a support
   /// A near-singular load path of the nonlinear solve: a step was cut, the contact
   /// stiffened, or the body was about to give way. Other equilibria may lie near.
-  kHardPath = 128,
+  kNearSingular = 128,
 };
 constexpr std::uint8_t kAllResponseFlags = 255;
 constexpr std::size_t kResponseFlags = 8;
@@ -74,10 +75,10 @@ struct AccuracyRecord {
   /// [-] What estimates were multiplied by to give error_relative, so that it holds at
   /// 95 % of places (error_calibration.h); 0: not calibrated.
   double error_factor = 0.0;
-  /// [-] The same in elements that have a node with kHardPath; 0: none.
+  /// [-] The same in elements that have a node with kNearSingular; 0: none.
   double hard_error_factor = 0.0;
   /// [-] The share of places that error_relative holds for, as the number of checks and
-  /// of failed ones tells (covered_share()); and beside nodes with kHardPath. 0:
+  /// of failed ones tells (covered_share()); and beside nodes with kNearSingular. 0:
   /// unknown.
   double covered = 0.0;
   double hard_covered = 0.0;
@@ -142,6 +143,7 @@ struct ResponseTable {
   DisplacementField displacement;
   ResponseRelaxation relaxation;  ///< what holds showed; not rendered
   Viscoelasticity viscoelasticity;
+  Puncture puncture;           ///< of a needle
   ComplianceTable compliance;  ///< how several contacts couple
 
   [[nodiscard]] std::int64_t nodes() const noexcept {

@@ -41,12 +41,14 @@ ResponseSample undamaged(const CurveView& curve, const NodeYielding& node, doubl
 // longest.
 std::vector<double> depths_of(const CurveView& curve, const NodeYielding& node) {
   std::vector<double> depth_m(curve.depth_m.begin(), curve.depth_m.end());
+  // The slope of f / (1 - omega) jumps at the onset: a sample on either side of it.
   for (const double d : {node.onset_m - kBeforeOnset * node.scale_m, node.onset_m}) {
     if (d > 0.0 && d < depth_m.back() &&
         !std::binary_search(depth_m.begin(), depth_m.end(), d)) {
       depth_m.insert(std::upper_bound(depth_m.begin(), depth_m.end(), d), d);
     }
   }
+  // The widest interval past the onset is halved until a message is full.
   while (depth_m.size() < kSamples) {
     std::size_t widest = 0;
     double width_m = 0.0;

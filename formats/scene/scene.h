@@ -68,6 +68,29 @@ struct SceneYielding {
   std::optional<SceneDamage> damage = {};
 };
 
+/// How a needle gets through a material. Without it none does.
+struct ScenePuncture {
+  double toughness_j_per_m2 = 0.0;  ///< [J/m^2] [0, inf) of a needle's crack
+  double static_ratio = 1.0;        ///< [-] [1, inf) static over kinetic friction
+  // Friction of the shaft: [-] times radial stress, or per length; none: there is none.
+  std::optional<double> friction = {};          ///< [-] [0, inf) coefficient, kinetic
+  std::optional<double> radial_stress_pa = {};  ///< [Pa] [0, inf) on the shaft
+  std::optional<double> friction_n_per_m = {};  ///< [N/m] [0, inf)
+  // What breaks its boundary; none: the cutting force does.
+  std::optional<double> membrane_n = {};  ///< [N] [0, inf)
+  std::optional<double> membrane_j = {};  ///< [J] [0, inf) at the skin alone
+};
+
+/// A needle, pressed as a ball until it punctures.
+struct SceneNeedle {
+  double radius_m = 0.0;        ///< [m] (0, inf) of the shaft
+  double edge_width_m = 0.0;    ///< [m] (0, inf) width of the crack
+  double press_radius_m = 0.0;  ///< [m] (0, inf) of the ball that is pressed
+  double shaft_n_per_m = 0.0;   ///< [N/m] before the shaft slips; 0: by the material
+  std::optional<double> lateral_n_per_m2 = {};  ///< [N/m^2]; none: by the material
+  double mouth_m = 0.0;                         ///< [m] (0, inf)
+};
+
 /// What a law does not have stays 0. Moduli are instantaneous ones.
 struct SceneMaterial {
   std::string region = std::string(kBodyRegion);  ///< or the name of an inclusion
@@ -91,6 +114,7 @@ struct SceneMaterial {
   double k2 = 0.0;                    ///< [-] (0, inf)
   SceneRelaxation relaxation = {};
   SceneYielding yielding = {};  ///< of nodes under which it lies
+  std::optional<ScenePuncture> puncture = {};
 };
 
 /// The side of a plane that its normal points away from.
@@ -165,6 +189,7 @@ struct Scene {
   /// As many: contacts of the tool couple with others (compliance_table.h).
   std::vector<bool> tool_couples;
   std::vector<SceneYielding> tool_yielding;  ///< as many; before the materials'
+  std::vector<std::optional<SceneNeedle>> tool_needle;  ///< as many; none: no needle
   SceneReach reach;
   double force_relative = 0.05;  ///< [-] (0, 1) accuracy budget: relative force error
   /// [-] [0.5, 16] element sizes that the contact radius spans at the largest depth;

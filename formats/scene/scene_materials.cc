@@ -30,7 +30,8 @@ constexpr std::string_view kMaterialKeys[] = {"region",
                                               "k2",
                                               "relaxation",
                                               "plastic",
-                                              "damage"};
+                                              "damage",
+                                              "puncture"};
 constexpr std::string_view kSharedLawKeys[] = {"region", "law", "relaxation", "plastic",
                                                "damage"};
 constexpr std::string_view kIsotropicKeys[] = {"youngs_modulus_pa", "poissons_ratio"};
@@ -203,6 +204,7 @@ void read_materials(const Sections& sections, Scene& scene) {
     read_law(section, material);
     read_relaxation(section, material);
     material.yielding = read_yielding(section);
+    material.puncture = read_puncture(section);
     for (const SceneMaterial& other : scene.material) {
       if (other.region == material.region) {
         section.fail("region {:?} has two materials, must have one", material.region);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,6 +49,12 @@ void read_tools(const Sections& sections, Scene& scene);
 
 /// The keys plastic and damage of a section.
 [[nodiscard]] SceneYielding read_yielding(const SceneSection& section);
+
+/// The key puncture of a material; none without it.
+[[nodiscard]] std::optional<ScenePuncture> read_puncture(const SceneSection& section);
+
+/// A tool of shape "needle".
+[[nodiscard]] SceneNeedle read_needle(const SceneSection& section);
 
 /// { center_m = [x, y, z], radius_m = r }
 [[nodiscard]] SceneBall read_ball(const SceneSection& section, std::string_view key);

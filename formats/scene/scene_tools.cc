@@ -13,13 +13,16 @@ namespace palpate::scene_parts {
 namespace {
 
 constexpr std::string_view kToolKeys[] = {
-    "name",         "shape",     "radius_m",     "edge_radius_m", "half_angle_deg",
-    "tip_radius_m", "length_m",  "mesh",         "length_unit",   "axis",
-    "contact",      "friction",  "presliding_m", "plastic",       "damage",
-    "centre_m",     "compliance"};
+    "name",         "shape",      "radius_m",     "edge_radius_m",  "half_angle_deg",
+    "tip_radius_m", "length_m",   "mesh",         "length_unit",    "axis",
+    "contact",      "friction",   "presliding_m", "plastic",        "damage",
+    "centre_m",     "compliance", "edge_width_m", "press_radius_m", "puncture"};
+constexpr std::string_view kNeedle = "needle";
+constexpr std::string_view kNeedleKeys[] = {"radius_m", "edge_width_m",
+                                            "press_radius_m", "puncture"};
 constexpr std::string_view kSpheres = "spheres";
-constexpr std::string_view kShapes[] = {"sphere", "spheres", "flat-punch",
-                                        "cone",   "capsule", "mesh"};
+constexpr std::string_view kShapes[] = {"sphere",  "spheres", "flat-punch", "cone",
+                                        "capsule", "mesh",    kNeedle};
 constexpr std::string_view kSharedShapeKeys[] = {"name",    "shape",    "axis",
                                                  "contact", "friction", "presliding_m",
                                                  "plastic", "damage"};
@@ -99,6 +102,10 @@ ToolShape read_tool(const SceneSection& section) {
     tool.kind = "sphere";
     tool.contact = read_contacts(section);
     tool.radius_m = tool.contact.radius_m.front();
+  } else if (tool.kind == kNeedle) {
+    section.require_own("shape \"needle\"", kNeedleKeys, kSharedShapeKeys);
+    tool.kind = "sphere";
+    tool.radius_m = read_needle(section).press_radius_m;
   } else {
     read_lengths(section, tool);
   }
@@ -138,6 +145,9 @@ void read_tools(const Sections& sections, Scene& scene) {
       add_tool(section, sphere, scene);
       scene.tool_couples.push_back(couples);
       scene.tool_yielding.push_back(read_yielding(section));
+      scene.tool_needle.push_back(section.text("shape") == kNeedle
+                                      ? std::optional(read_needle(section))
+                                      : std::nullopt);
       scene.tool_mesh.push_back(
           tool.kind == "mesh" ? read_mesh_keys(section, sections.file()) : SceneMesh{});
     }

@@ -51,8 +51,8 @@ void write(json& j, const ServedProgress& progress) {
   j = {{"kind", "progress"},
        {"stage", progress.stage},
        {"nodes", progress.nodes},
-       {"cheap", progress.cheap},
-       {"good", progress.good}};
+       {"answered", progress.answered},
+       {"finished", progress.finished}};
 }
 
 void write(json& j, const ServedEnd& end) {
@@ -132,8 +132,8 @@ ServedResponses responses_of(const json& j) {
 ServedProgress progress_of(const json& j) {
   return {.stage = j.at("stage"),
           .nodes = j.at("nodes"),
-          .cheap = j.at("cheap"),
-          .good = j.at("good")};
+          .answered = j.at("answered"),
+          .finished = j.at("finished")};
 }
 
 HandPlace hand_of(const json& j) {
@@ -218,6 +218,7 @@ std::vector<std::byte> to_frame(const ServiceMessage& message) {
       message);
   j["version"] = kServiceVersion;
   const std::vector<std::uint8_t> body = json::to_cbor(j);
+  // Magic, bytes of the body (uint32, little-endian), the body in CBOR.
   std::vector<std::byte> frame(kFrameMagic.begin(), kFrameMagic.end());
   frame.reserve(kHead + body.size());
   for (int i = 0; i < 4; ++i) {

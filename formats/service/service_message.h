@@ -15,14 +15,14 @@
 
 namespace palpate {
 
-constexpr int kServiceVersion = 1;  ///< a peer of another version is refused
+constexpr int kServiceVersion = 2;  ///< a peer of another version is refused
 /// A frame that says it is longer is no frame.
 constexpr std::size_t kServiceFrameMax = std::size_t{1} << 30;
 
 /// How far a response can be relied on.
 enum class AnswerQuality : std::uint8_t {
-  kCheap = 0,  ///< linear, on a mesh half as fine; error estimated, 1: not known
-  kGood = 1,   ///< as it will stand in the finished database, but for its stated error
+  kPreliminary = 0,  ///< linear, on a mesh half as fine; error estimated, 1: not known
+  kFinal = 1,  ///< as it will stand in the finished database, but for its stated error
 };
 
 /// The service's first message to everybody who joins.
@@ -30,7 +30,7 @@ struct ServedScene {
   JobDescription plan;                  ///< body, normals, tools, budget
   std::vector<std::int32_t> reachable;  ///< vertices that get a response, ascending
   std::string output;      ///< absolute path of the database when all is done
-  bool nonlinear = false;  ///< good answers are: cheap ones know small strains alone
+  bool nonlinear = false;  ///< final answers are; preliminary ones are linear
   /// [Pa] >= 0 E / (1 - nu^2) of the body's own material at small strain; 0: not
   /// stated.
   double modulus_pa = 0.0;
@@ -39,17 +39,17 @@ struct ServedScene {
 /// Responses, of one tool or several. A later answer of the same or better quality for
 /// a node replaces an earlier one; one of lower quality is old news.
 struct ServedResponses {
-  AnswerQuality quality = AnswerQuality::kCheap;
+  AnswerQuality quality = AnswerQuality::kPreliminary;
   std::vector<WorkUnitNode> node;
 };
 
 /// How far the service is; whenever something changed, and at least once a second.
 struct ServedProgress {
   std::string stage =
-      {};  ///< one or two words: "mesh", "cheap answers", "good answers"
-  std::int64_t nodes = 0;  ///< reachable vertices times tools
-  std::int64_t cheap = 0;  ///< of them with a cheap answer or a good one
-  std::int64_t good = 0;   ///< of them with a good one
+      {};  ///< one or two words: "mesh", "preliminary answers", "final answers"
+  std::int64_t nodes = 0;     ///< reachable vertices times tools
+  std::int64_t answered = 0;  ///< of them with an answer
+  std::int64_t finished = 0;  ///< of them with a final answer
 };
 
 /// The service's last message.

@@ -91,6 +91,8 @@ SurfaceMesh read_body_mesh(const Scene& scene, std::vector<std::string>& notes) 
     part.push_back(part_mesh(mesh, one));
   }
   std::vector<bool> named(parts.size(), false);
+  // A part of the body's own mesh may be an inclusion's surface. The inclusion brings
+  // that surface itself, so that the part is left out of the body's.
   for (const SceneInclusion& inclusion : scene.inclusion) {
     if (parts.size() < 2 || !inclusion.mesh) {
       continue;
@@ -155,6 +157,8 @@ SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
   if (reach.isEmpty() || !(reach.diagonal().norm() > 0.0)) {
     return surface;
   }
+  // The reach has no vertex to press. Edges of an eighth of the reach's diagonal make
+  // some; outside of the reach edges may grow with distance.
   const double edge_m = kEdgeOfReach * reach.diagonal().norm();
   SurfaceMesh fine = refine_longest_edge(
       surface,

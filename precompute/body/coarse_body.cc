@@ -76,6 +76,8 @@ CoarseLoads coarse_loads(const BodyModel& coarse, const TetLocator& where,
         at->second = where.place(part.mesh.position_m.row(entry.node).transpose());
       }
       const TetLocator::Place& place = at->second;
+      // A force at a place inside a coarse tet acts on its ten nodes by their shape
+      // functions.
       for (std::size_t a = 0; a < 10; ++a) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const std::int64_t dof =
@@ -108,6 +110,7 @@ CoarseLoads coarse_loads(const BodyModel& coarse, const TetLocator& where,
 // Displacements of the part's free degrees of freedom for those of its cut.
 // @param cut_m (3 n_nodes x k), zero elsewhere.
 Eigen::MatrixXd extended_m(const ClampedPart& part, const Eigen::MatrixXd& cut_m) {
+  // K_ff u_f = -K_fc u_c: the part's free unknowns f follow those of its cut, c.
   const Eigen::MatrixXd force = part.stiffness.selfadjointView<Eigen::Lower>() * cut_m;
   const Supports& supports = part.model.supports;
   Eigen::MatrixXd B(supports.free, cut_m.cols());
@@ -184,6 +187,9 @@ Eigen::MatrixXd CoarseBody::displaced_m(const ClampedPart& part,
 
 Eigen::MatrixXd CoarseBody::exterior_compliance(
     const ClampedPart& part, std::span<const std::int32_t> nodes) const {
+  // Column y of the answer is the motion of contact nodes x under a load at y. The
+  // coarse body moves, its motion at the cut carries the part, and nodes average that.
+  // The coarse body's solves are shared by the m unknowns that loads act on.
   const CoarseLoads loads = coarse_loads(model_, where_, part.model, nodes);
   const std::vector<TetLocator::Place> place = places_of_cut(part);
   const auto n = static_cast<Eigen::Index>(nodes.size());
@@ -209,6 +215,8 @@ Eigen::MatrixXd CoarseBody::exterior_compliance(
     }
     answer += moved_m * loads.share.middleCols(first, count).transpose();
   }
+  // Two meshes make the answer symmetric only to their error; Maxwell-Betti wants
+  // symmetry.
   return 0.5 * (answer + answer.transpose());
 }
 

@@ -58,6 +58,7 @@ std::vector<std::int32_t> reached(const ConnectedTets& body,
   for (const std::int32_t v : vertices) {
     take(body.tet_of[static_cast<std::size_t>(v)]);
   }
+  // Breadth-first over faces. A face counts if one of its corners is in a ball.
   for (std::size_t i = 0; i < tets.size(); ++i) {
     const std::int32_t t = tets[i];
     for (int j = 0; j < 4; ++j) {
@@ -104,6 +105,8 @@ std::vector<std::int32_t> corners_of_tets(const TetMesh& mesh,
 ConnectedTets connect(TetMesh mesh) {
   ConnectedTets body{.mesh = std::move(mesh), .across = {}, .tet_of = {}};
   const Tets& tet = body.mesh.tet;
+  // Every tet lists its four faces by ascending corners. Sorted, the two sides of an
+  // inner face follow each other; a face of the boundary stands alone.
   std::vector<Side> sides;
   sides.reserve(4 * static_cast<std::size_t>(tet.rows()));
   body.tet_of.assign(static_cast<std::size_t>(body.mesh.position_m.rows()), -1);
@@ -156,6 +159,8 @@ CutOut cut_out(const ConnectedTets& body, std::span<const std::int32_t> vertices
       const std::array<std::int32_t, 3> face{part.tets.tet(row, corner[0]),
                                              part.tets.tet(row, corner[1]),
                                              part.tets.tet(row, corner[2])};
+      // Faces without a neighbour are of the boundary: the body's surface where all
+      // corners are surface vertices. Faces to tets left out are the cut.
       const std::int32_t next = body.across(t, j);
       if (next >= 0) {
         if (!std::binary_search(tets.begin(), tets.end(), next)) {
@@ -178,6 +183,8 @@ CutOut cut_out(const ConnectedTets& body, std::span<const std::int32_t> vertices
     part.tets.position_m.row(static_cast<Eigen::Index>(c)) =
         mesh.position_m.row(part.corner[c]);
   }
+  // Corners ascend as in the body, whose surface vertices come first: here they do,
+  // too.
   part.tets.surface_vertices =
       std::lower_bound(part.corner.begin(), part.corner.end(), mesh.surface_vertices) -
       part.corner.begin();

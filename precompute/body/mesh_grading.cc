@@ -131,6 +131,8 @@ EdgeLength wanted_edges(const SurfaceMesh& surface,
                         const ContactFocus& focus) {
   return [nearest = std::make_shared<NearestOf>(surface, vertices),
           focus](const Eigen::Vector3d& p) {
+    // Edge length growth times the distance from the nearest pressed vertex, and from
+    // the rim of a punch around that vertex; finest_m at least.
     const double r = nearest->distance_m(p);
     double wanted = focus.growth * (r - focus.core_m);
     if (focus.rim_m > 0.0) {
@@ -149,6 +151,8 @@ std::vector<std::vector<std::int32_t>> in_neighbourhoods(
   std::vector<std::pair<std::uint32_t, std::int32_t>> order;
   for (const std::int32_t v : vertices) {
     const Eigen::Vector3d p = surface.position_m.row(v).transpose();
+    // Vertices in the order of a Morton curve are cut into sets of equal size:
+    // successive vertices are mostly neighbours.
     order.emplace_back(morton((p - box.min()) / side), v);
   }
   std::sort(order.begin(), order.end());

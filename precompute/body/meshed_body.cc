@@ -62,6 +62,7 @@ bool in_a_line(const std::vector<Eigen::Vector3d>& points, double extent_m) {
     p.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
   }
   p.rowwise() -= p.colwise().mean().eval();
+  // Principal moments of the points ascend: the middle one is 0 on a line.
   const Eigen::Matrix3d spread = p.transpose() * p;
   const auto moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread);
   // Closer to a line than this, turning about it costs less than rounding.

@@ -116,11 +116,12 @@ class TradeRun {
   void solve_reference();
   void press_at(double resolution);
   void add_interpolated(const Scene& scene, const PressStrategy& strategy,
-                        const PricedPresses& cheap, const PricedPresses& good);
+                        const PricedPresses& linear_presses,
+                        const PricedPresses& full_presses);
   void add(const AccuracyTradeRow& row, const Responses& responses);
   void mark_pareto();
 
-  // Groups of neighbours and vertices that are solved, of all territories.
+  // Groups of neighbours and vertices that are solved, of all clusters.
   struct Count {
     double groups = 0.0;
     double nodes = 0.0;
@@ -137,31 +138,33 @@ class TradeRun {
   Progress& progress_;
   BodySource body_;
   std::vector<std::int32_t> reachable_;
-  std::vector<std::vector<std::int32_t>> territory_;
+  std::vector<std::vector<std::int32_t>> cluster_;
   Responses reference_;
   bool nonlinear_ = false;
   TradeReport report_;
 };
 
-// As close together as a build's good solutions probably are, so that interpolation
-// between them is what it is in a build: in parts of territories.
+// As close together as a build's full presses probably are, so that interpolation
+// between them is what it is in a build: in parts of clusters.
 void TradeRun::choose_vertices() {
   for (WorkUnit& unit : units_of(scene_, body_, reachable_)) {
     if (!unit.is_check) {
-      territory_.push_back(std::move(unit.vertex));
+      cluster_.push_back(std::move(unit.vertex));
     }
   }
   const auto samples = static_cast<std::size_t>(options_.samples);
+  // A build solves `dense` of a cluster's vertices. Samples as dense as that need so
+  // many places; each takes its share from one neighbourhood of a cluster.
   const std::size_t dense =
-      expected_samples(territory_.front().size(), scene_.force_relative);
+      expected_samples(cluster_.front().size(), scene_.force_relative);
   const std::size_t places =
-      std::clamp<std::size_t>((samples + dense - 1) / dense, 1, territory_.size());
+      std::clamp<std::size_t>((samples + dense - 1) / dense, 1, cluster_.size());
   for (std::size_t i = 0; i < places; ++i) {
-    const auto& territory = territory_[(2 * i + 1) * territory_.size() / (2 * places)];
+    const auto& cluster = cluster_[(2 * i + 1) * cluster_.size() / (2 * places)];
     const std::size_t share = samples / places + (i < samples % places ? 1 : 0);
     const auto parts =
-        in_neighbourhoods(body_.surface, territory,
-                          std::max<std::size_t>(share * territory.size() / dense, 1));
+        in_neighbourhoods(body_.surface, cluster,
+                          std::max<std::size_t>(share * cluster.size() / dense, 1));
     const auto chosen = farthest_apart(body_.surface, parts[parts.size() / 2], share);
     report_.vertex.insert(report_.vertex.end(), chosen.begin(), chosen.end());
   }
@@ -222,7 +225,7 @@ void TradeRun::solve_reference() {
 TradeRun::Count TradeRun::count(const ContactFocus& focus, bool nonlinear,
                                 bool interpolated) const {
   Count count;
-  for (const auto& vertices : territory_) {
+  for (const auto& vertices : cluster_) {
     const auto solved = interpolated
                             ? expected_samples(vertices.size(), scene_.force_relative)
                             : vertices.size();
@@ -259,39 +262,43 @@ void TradeRun::press_at(double resolution) {
   };
   const Scene linear = scene_at(resolution, false);
   const PressStrategy linear_way = choose_strategy(linear, body_, reachable_);
-  std::vector<PricedPresses> cheap =
+  std::vector<PricedPresses> linear_presses =
       pressed(linear, linear_way, linear_way.shared_mesh, false);
-  add_all(linear, linear_way, cheap, false);
+  add_all(linear, linear_way, linear_presses, false);
   if (!nonlinear_) {
     return;
   }
   const Scene full = scene_at(resolution, true);
   const PressStrategy way = choose_strategy(full, body_, reachable_);
-  const auto good = pressed(full, way, way.shared_mesh && !way.graded, true);
-  add_all(full, way, good, true);
+  const auto full_presses = pressed(full, way, way.shared_mesh && !way.graded, true);
+  add_all(full, way, full_presses, true);
   // What full presses are compared with may want a finer shared mesh.
   if (way.shared_mesh != linear_way.shared_mesh ||
       (way.shared_mesh && way.subdivisions != linear_way.subdivisions)) {
-    cheap = pressed(full, way, way.shared_mesh, false);
+    linear_presses = pressed(full, way, way.shared_mesh, false);
   }
-  for (std::size_t i = 0; i < good.size(); ++i) {
-    add_interpolated(full, way, cheap[i], good[i]);
+  for (std::size_t i = 0; i < full_presses.size(); ++i) {
+    add_interpolated(full, way, linear_presses[i], full_presses[i]);
   }
 }
 
 void TradeRun::add_interpolated(const Scene& scene, const PressStrategy& strategy,
-                                const PricedPresses& cheap, const PricedPresses& good) {
+                                const PricedPresses& linear_presses,
+                                const PricedPresses& full_presses) {
   RatioField field(body_.surface, body_.normal, strategy.focus.contact_m);
-  for (std::size_t i = 0; i < good.node.size(); ++i) {
-    if (is_complete(good.node[i]) && is_complete(cheap.node[i])) {
-      if (auto ratio = path_ratio(good.node[i].indentation, good.node[i].linear)) {
-        field.add(good.node[i].vertex, cheap.node[i].indentation, std::move(*ratio));
+  for (std::size_t i = 0; i < full_presses.node.size(); ++i) {
+    if (is_complete(full_presses.node[i]) && is_complete(linear_presses.node[i])) {
+      if (auto ratio = path_ratio(full_presses.node[i].indentation,
+                                  full_presses.node[i].linear)) {
+        field.add(full_presses.node[i].vertex, linear_presses.node[i].indentation,
+                  std::move(*ratio));
       }
     }
   }
+  // Each vertex takes the ratio that all others predict, times its own linear press.
   const RatioModel ratios(field);
   Responses responses;
-  for (const PressedNode& node : cheap.node) {
+  for (const PressedNode& node : linear_presses.node) {
     responses.emplace_back();
     if (is_complete(node) && field.size() > 1) {
       const Indentation path =
@@ -303,11 +310,12 @@ void TradeRun::add_interpolated(const Scene& scene, const PressStrategy& strateg
   add({.resolution = scene.contact_resolution,
        .nonlinear = true,
        .interpolated = true,
-       .depths = good.depths,
-       .cpu_seconds = seconds(cheap.price, count(strategy.focus, false, false)) +
-                      seconds(good.price, count(strategy.focus, true, true)),
-       .peak_memory_bytes =
-           std::max(cheap.price.peak_memory_bytes, good.price.peak_memory_bytes)},
+       .depths = full_presses.depths,
+       .cpu_seconds =
+           seconds(linear_presses.price, count(strategy.focus, false, false)) +
+           seconds(full_presses.price, count(strategy.focus, true, true)),
+       .peak_memory_bytes = std::max(linear_presses.price.peak_memory_bytes,
+                                     full_presses.price.peak_memory_bytes)},
       responses);
 }
 

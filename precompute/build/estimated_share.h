@@ -1,4 +1,4 @@
-// How many of many values pass a limit, told from a few of them.
+// How many of many values pass a limit, estimated from a few of them.
 #pragma once
 
 #include <span>

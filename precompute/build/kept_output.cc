@@ -38,7 +38,7 @@ Assembly assembly_of(ResponseDatabase database) {
       assembly.interpolated += origin == ResponseOrigin::kInterpolated ? 1 : 0;
       assembly.solved += origin == ResponseOrigin::kSimulated ? 1 : 0;
       assembly.failed += (table.flags[i] & kFailed) != 0 ? 1 : 0;
-      assembly.hard_path += (table.flags[i] & kHardPath) != 0 ? 1 : 0;
+      assembly.near_singular += (table.flags[i] & kNearSingular) != 0 ? 1 : 0;
       assembly.over_budget += (table.flags[i] & kErrorOverBudget) != 0 ? 1 : 0;
       if (origin != ResponseOrigin::kNone) {
         assembly.error.push_back(table.error_relative[i]);

@@ -222,6 +222,7 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
   }
   progress.finish();
   sample_curves(curves, scene.accuracy.depths, sweep);
+  // The mesh's error is that of the middle combination, against a finer mesh.
   const std::size_t middle = sweep.combinations() / 2;
   for (std::size_t j = 0; j < sweep.parameter.size(); ++j) {
     set_constant(changed, sweep.parameter[j].name, sweep.values_at(middle)[j]);

@@ -17,12 +17,12 @@
 #include "precompute/build/plan_relaxation.h"
 #include "precompute/build/plan_shared_mesh.h"
 #include "precompute/contact/indentation_response.h"
+#include "precompute/press/cluster.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/press/scene_solver.h"
-#include "precompute/press/territory.h"
 #include "precompute/press/work_unit_solver.h"
 #include "precompute/process/parallel.h"
 #include "precompute/process/peak_memory.h"
@@ -30,7 +30,8 @@
 namespace palpate {
 namespace {
 
-// What would take longer is told from something smaller, so that a plan takes seconds.
+// What would take longer is extrapolated from something smaller, so that a plan takes
+// seconds.
 constexpr double kChecksCpuS = 2.0;
 constexpr double kGroupsS = 3.0;   // of one kind; more groups are timed until then
 constexpr double kPressesS = 7.0;  // nonlinear ones, which differ more
@@ -80,13 +81,13 @@ class Planner {
       time_linear_on_own_meshes();
     }
     plan_relaxation(scene_, report_);
-    time_good();
+    time_full();
     time_checks();
     plan_coupling(scene_, body_, reachable_, workers_, progress_, report_);
   }
   void time_shared_mesh();
   void time_linear_on_own_meshes();
-  void time_good();
+  void time_full();
   void time_checks();
   void count_memory();
   void count_responses();
@@ -98,13 +99,13 @@ class Planner {
                                       const std::vector<Group>& groups,
                                       std::size_t count, const ContactFocus& focus,
                                       bool nonlinear, double times = 1.0);
-  [[nodiscard]] std::vector<const WorkUnit*> territories() const;
-  [[nodiscard]] std::size_t good_of(const WorkUnit& territory) const;
+  [[nodiscard]] std::vector<const WorkUnit*> clusters() const;
+  [[nodiscard]] std::size_t full_of(const WorkUnit& cluster) const;
   // Whether a build will probably solve every vertex without a linear press before.
   [[nodiscard]] bool all_solved_alone() const {
-    const auto all = territories();
+    const auto all = clusters();
     return strategy_.nonlinear && std::all_of(all.begin(), all.end(), [&](auto* unit) {
-             return good_of(*unit) == unit->vertex.size();
+             return full_of(*unit) == unit->vertex.size();
            });
   }
   [[nodiscard]] std::vector<Group> some_groups(
@@ -128,23 +129,23 @@ class Planner {
   double again_share_ = 0.0;
 };
 
-std::vector<const WorkUnit*> Planner::territories() const {
-  std::vector<const WorkUnit*> territories;
+std::vector<const WorkUnit*> Planner::clusters() const {
+  std::vector<const WorkUnit*> clusters;
   for (const WorkUnit& unit : units_) {
     if (!unit.is_check) {
-      territories.push_back(&unit);
+      clusters.push_back(&unit);
     }
   }
-  return territories;
+  return clusters;
 }
 
-std::size_t Planner::good_of(const WorkUnit& territory) const {
+std::size_t Planner::full_of(const WorkUnit& cluster) const {
   if (strategy_.linear_is_full) {
     return static_cast<std::size_t>(
-        std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
+        std::lround(again_share_ * static_cast<double>(cluster.vertex.size())));
   }
-  return solve_all_ ? territory.vertex.size()
-                    : expected_samples(territory.vertex.size(), scene_.force_relative);
+  return solve_all_ ? cluster.vertex.size()
+                    : expected_samples(cluster.vertex.size(), scene_.force_relative);
 }
 
 void Planner::describe_scene() {
@@ -189,8 +190,8 @@ void Planner::time_shared_mesh() {
   }
   if (strategy_.nonlinear && !strategy_.graded) {
     std::size_t count = 0;
-    for (const WorkUnit* territory : territories()) {
-      count += good_of(*territory);
+    for (const WorkUnit* cluster : clusters()) {
+      count += full_of(*cluster);
     }
     shared_->time_nonlinear(count * body_.tool.size());
   }
@@ -199,7 +200,7 @@ void Planner::time_shared_mesh() {
 std::vector<Planner::Group> Planner::some_groups(
     const std::function<std::vector<Group>(const WorkUnit&)>& groups_of) const {
   std::vector<Group> some;
-  const std::vector<const WorkUnit*> all = territories();
+  const std::vector<const WorkUnit*> all = clusters();
   for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
     for (std::size_t w = 0; w < workers_; ++w) {
       const std::size_t place = 2 * (w * kMostBatches + batch) + 1;
@@ -263,8 +264,8 @@ void Planner::time_linear_on_own_meshes() {
     return group_vertices(body_.surface, unit.vertex, strategy_.focus);
   };
   std::size_t count = 0;
-  for (const WorkUnit* territory : territories()) {
-    count += groups_of(*territory).size();
+  for (const WorkUnit* cluster : clusters()) {
+    count += groups_of(*cluster).size();
   }
   const auto groups = some_groups(groups_of);
   const BodyModel model =
@@ -278,6 +279,7 @@ void Planner::time_linear_on_own_meshes() {
       time_own_meshes("groups of linear presses on meshes of their own", groups, count,
                       strategy_.focus, false);
   if (strategy_.linear_is_full) {
+    // Where linear is all, presses outside the budget are made again, finer.
     const auto outside = std::ranges::count_if(error, [&](double e) {
       return kLeastErrorFactor * e > scene_.force_relative;
     });
@@ -285,7 +287,7 @@ void Planner::time_linear_on_own_meshes() {
   }
 }
 
-void Planner::time_good() {
+void Planner::time_full() {
   if (!strategy_.graded) {
     return;
   }
@@ -299,13 +301,13 @@ void Planner::time_good() {
         strategy_.focus, strategy_.nonlinear);
   };
   double count = 0.0;
-  for (const WorkUnit* territory : territories()) {
-    const auto groups = groups_of(*territory);
+  for (const WorkUnit* cluster : clusters()) {
+    const auto groups = groups_of(*cluster);
     std::size_t vertices = 0;
     for (const auto& group : groups) {
       vertices += group.size();
     }
-    count += static_cast<double>(groups.size() * good_of(*territory)) /
+    count += static_cast<double>(groups.size() * full_of(*cluster)) /
              static_cast<double>(vertices);
   }
   if (count < 0.5) {
@@ -365,12 +367,12 @@ void Planner::count_responses() {
   report_.solved_at_least = report_.solved_expected = all;
   if (!strategy_.linear_is_full && !solve_all_) {
     report_.solved_at_least = report_.solved_expected = 0;
-    for (const WorkUnit* territory : territories()) {
+    for (const WorkUnit* cluster : clusters()) {
       report_.solved_at_least +=
           report_.tools *
-          static_cast<std::int64_t>(std::min(kFirstSamples, territory->vertex.size()));
+          static_cast<std::int64_t>(std::min(kFirstSamples, cluster->vertex.size()));
       report_.solved_expected +=
-          report_.tools * static_cast<std::int64_t>(good_of(*territory));
+          report_.tools * static_cast<std::int64_t>(full_of(*cluster));
     }
   }
   report_.interpolated_expected = all - report_.solved_expected;

@@ -50,7 +50,7 @@ struct PlanReport {
   std::int64_t held = 0;
   std::int64_t outside_reach = 0;  ///< neither reachable nor held
   std::int64_t tools = 0;
-  std::int64_t units = 0;  ///< territories and checks
+  std::int64_t units = 0;  ///< clusters and checks
   std::int64_t checks = 0;
   bool nonlinear = false;
   bool shared_mesh = false;

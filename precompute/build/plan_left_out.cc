@@ -27,7 +27,7 @@ std::vector<std::string> left_out_of(const Scene& scene, const PressStrategy& st
                                                  : "every material is linear"));
   say(strategy.nonlinear && report.nonlinear_depths < report.depths,
       fmt::format("nonlinear solutions at {} of {} depths: their ratio to the linear "
-                  "force is interpolated where that is good enough",
+                  "force is interpolated where that suffices",
                   report.depths - report.nonlinear_depths, report.depths));
   say(report.interpolated_expected > 0,
       fmt::format(

@@ -17,7 +17,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPressesPerWorker = 3;
-// What would take longer is told from something smaller, so that a plan takes seconds.
+// What would take longer is extrapolated from something smaller, so that a plan takes
+// seconds.
 constexpr double kFactorCpuS = 1.5;
 constexpr double kColumnsCpuS = 2.0;
 

@@ -14,8 +14,8 @@ namespace palpate {
 
 /// Meshes the body, factorises it and presses a few vertices, `workers` of them side by
 /// side; fills in the report's cost, tets, unknowns and columns. Where that would take
-/// long a coarser mesh is timed, and larger ones are told from it (expected_cpu_s). The
-/// mesh stays in memory, as in a build.
+/// long a coarser mesh is timed, and larger ones are extrapolated from it
+/// (expected_cpu_s). The mesh stays in memory, as in a build.
 class PlanSharedMesh {
  public:
   /// All arguments must outlive it. @param vertices reachable ones, ascending.

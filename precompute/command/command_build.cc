@@ -67,7 +67,7 @@ nlohmann::ordered_json report_json(const BuildReport& report) {
           {"error_covered", all.error_covered},
           {"hard_error_covered", all.hard_error_covered},
           {"checked_in_vain", all.checked_in_vain},
-          {"hard_path", all.hard_path},
+          {"near_singular", all.near_singular},
           {"units", report.units},
           {"resumed", report.resumed},
           {"node_spacing_m", report.node_spacing_m},
@@ -89,7 +89,7 @@ void print_failures(const std::vector<std::string>& failures) {
 
 // What estimates were multiplied by, and what says so.
 void print_coverage(const Assembly& all) {
-  if (all.hard_path > 0) {
+  if (all.near_singular > 0) {
     fmt::print(
         "              {:.2g} times estimates where the path was hard to follow, so "
         "that it holds at {:.0f} % of these\n",
@@ -145,10 +145,10 @@ void print_errors(const Assembly& all, double budget) {
           "flat triangles: a surface with shorter edges has less\n");
     }
   }
-  if (all.hard_path > 0) {
+  if (all.near_singular > 0) {
     fmt::print(
         "warning       {} presses were hard to follow: other equilibria may lie near\n",
-        all.hard_path);
+        all.near_singular);
   }
   if (all.ended_at_support > 0) {
     fmt::print(

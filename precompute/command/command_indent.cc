@@ -89,7 +89,7 @@ nlohmann::ordered_json response_json(const NodeDetail& detail,
       {"pressure_mesh", path.sample.size() > 1 ? pressure_mesh_error(path) : 0.0},
       {"path", path.path_error},
       {"contact_edge", path.edge_share}};
-  report["hard_path"] = path.hard_path;
+  report["near_singular"] = path.near_singular;
   report["node_spacing_m"] = result.indentation.node_spacing_m;
   report["nonlinear"] = result.nonlinear != nullptr;
   report["tets"] = detail.model.mesh.tet.rows();

@@ -43,6 +43,8 @@ Profile profile_at(const ToolSurface& surface, double s) {
     const bool steep = edge.direction.x() < cosine;
     const Eigen::Vector2d along =
         steep ? Eigen::Vector2d(cosine, sine) : edge.direction;
+    // The ball's arc round an edge's base ends at base + ball times the edge's outward
+    // normal.
     const Eigen::Vector2d arc_end =
         edge.base_m + ball * Eigen::Vector2d(along.y(), -along.x());
     if (ball > 0.0 && s < arc_end.x()) {
@@ -63,6 +65,8 @@ bool stands_along_press(const PlacedTool& tool) {
 }
 
 Height height_by_profile(const Eigen::Vector3d& p_m, const PlacedTool& tool) {
+  // t = profile(s) - b with r = p - reference, b = press . r, s = |r - b press|.
+  // dt/d(reference) = press - profile'(s) (r - b press) / s.
   const Eigen::Vector3d r = p_m - tool.reference_m;
   const double b = tool.press.dot(r);
   const Eigen::Vector3d across = r - b * tool.press;
@@ -121,8 +125,13 @@ Line::Point far_below(const Line& line, double t_m, double step_m, double cosine
 }
 
 Height height_on_line(const Eigen::Vector3d& p_m, const PlacedTool& tool) {
+  // Newton's method for D(t) = D(p + t press) = 0. D is convex along the line, and a
+  // tangent of a convex function lies below the function. Steps from below therefore
+  // never pass the lower root.
   const double cosine = tool.surface->steepest_cosine();
   const Line line(p_m, tool);
+  // At t = lowest - b the point is level with the tool's lowest point. `scale` [m]
+  // bounds the lengths that take part.
   const Eigen::Vector3d r = p_m - tool.reference_m;
   const double b = tool.press.dot(r);
   const double lowest =
@@ -136,6 +145,8 @@ Height height_on_line(const Eigen::Vector3d& p_m, const PlacedTool& tool) {
       break;
     }
     const Line::Point next = line.at(here.t_m + step);
+    // The flank is steeper than counts before the root: the least of tau + D / c
+    // replaces the root. The place of the least lies between the last two points.
     if (next.rate > -cosine) {
       here = least_between(line, here, next, cosine, tool.press);
       return {here.t_m + here.to_tool.distance_m / cosine,
@@ -196,6 +207,9 @@ double shadow_radius_m(const PlacedTool& tool, double height_m) {
   };
   const double limit = std::max(height_m, above(lowest_at)) * (1.0 + 1e-9);
   constexpr int kRays = 96;
+  // Every ray begins at the widest distance so far, so that only a wider ray adds to
+  // it. The step doubles while the near side stays low. A quarter of the step is tried
+  // where it does not.
   double widest = 0.0;
   for (int k = 0; k < (upright ? 1 : kRays); ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kRays;

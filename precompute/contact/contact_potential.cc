@@ -45,6 +45,9 @@ double spring_give_m(const ContactState& contact, const Multipliers& multipliers
          sum_n;
 }
 
+// omega_vq = psi_v(x_q) w_q A / A_v: hat psi_v at the point (rule.hat), area share w_q
+// of the face's area A, area A_v of the hat. A row's `mean` of node j is sum_q omega_vq
+// N_j. Points whose hats are all outside the patch carry no contact and are left out.
 ContactPotential::ContactPotential(const ContactSurface& surface,
                                    const QuadraticMesh& mesh,
                                    std::span<const std::int32_t> patch,
@@ -162,6 +165,12 @@ Eigen::MatrixX3d ContactPotential::average_position_m(
   return x;
 }
 
+// 1. Gaps g_v = sum_q omega_vq phi_q.
+// 2. Pressure forces p_v = <lambda_v - k_v g_v> and their energy.
+// 3. Force on the tool -sum_q (sum_v omega_vq p_v + k_q <-phi_q>) grad phi, and its
+//    moment.
+// 4. Ties: slip s = P (x_v - reference - anchor), P the projection on the tangent
+//    plane; force tau + k_v s, energy (|tau + k_v s|^2 - |tau|^2) / (2 k_v).
 ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
                                         const PlacedTool& tool,
                                         const Multipliers& multipliers) const {
@@ -221,6 +230,12 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
   return state;
 }
 
+// With dg_v = sum_q omega_vq N n_q, n = grad phi, H = Hessian of phi, c_q = <-phi_q>:
+//   dPsi/du   = sum_v (-p_v dg_v + mean_v tie_v) - sum_q k_q c_q N n_q
+//   d2Psi/du2 = sum_v (k_v dg_v dg_v^T + mean_v k_v P mean_v^T)
+//               + sum_q N (k_q n n^T - (p_q + k_q c_q) H) N^T
+// The sums over v are kept as rows; the first runs over active hats (p_v > 0). The sum
+// over q is kept as one 18 x 18 block per face. Points are sorted by face.
 void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& tool,
                                  const Multipliers& multipliers,
                                  Eigen::VectorXd& force_n) {
@@ -286,6 +301,7 @@ void ContactPotential::add_curvature(const Eigen::VectorXd& x,
     if (row_spring_[v] == 0.0 && tie_spring_[v].isZero()) {
       continue;
     }
+    // y += k_v dg_v (dg_v . x) + mean_v k_v P (mean_v . x).
     double along = 0.0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const RowEntry& entry : row_[v]) {

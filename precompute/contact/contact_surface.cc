@@ -57,6 +57,8 @@ using FaceNodes = std::array<ContactNode*, 6>;
 // The face's share of its nodes' hats: area, normal, gap points and loads.
 void integrate(const QuadraticMesh& mesh, Eigen::Index face,
                const std::vector<FaceRulePoint>& points, const FaceNodes& nodes) {
+  // Area vector (b - a) x (c - a) / 2: its length is the area, its direction the
+  // outward normal.
   Eigen::Matrix3d corner;
   for (int j = 0; j < 3; ++j) {
     corner.col(j) = mesh.position_m.row(mesh.surface(face, j)).transpose();
@@ -67,6 +69,7 @@ void integrate(const QuadraticMesh& mesh, Eigen::Index face,
   const Eigen::Vector3d normal = area_vector / area;
   for (const FaceRulePoint& point : points) {
     for (int j = 0; j < 6; ++j) {
+      // weight = psi_j(x_q) w_q A [m^2], the point's part of the integral of hat j.
       const double weight = point.hat[j] * point.area_share * area;
       if (weight == 0.0) {
         continue;
@@ -75,6 +78,8 @@ void integrate(const QuadraticMesh& mesh, Eigen::Index face,
       node.area_m2 += weight;
       node.normal += weight * normal;
       node.gap_points.push_back({corner * point.at, normal, weight});
+      // Consistent load of a unit pressure with shape psi_j, inward: -integral of psi_j
+      // N_a n. normalise() divides by the hat's area; the load is then that of 1 N.
       for (int a = 0; a < 6; ++a) {
         add_nodal_force(node, mesh.surface(face, a), -weight * point.shape[a] * normal);
       }

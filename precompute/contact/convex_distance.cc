@@ -64,6 +64,8 @@ void take_nearer(NearestPoint& nearest, const Eigen::Vector3d& p_m,
       nearest = {distance, at, corners, edge, normal};
     }
   };
+  // A point outside the plane through an edge, along the normal, may be nearest to that
+  // edge or its ends. t is the foot of the perpendicular on a + t edge.
   bool inside = true;
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d& a = corner[k];
@@ -75,12 +77,15 @@ void take_nearer(NearestPoint& nearest, const Eigen::Vector3d& p_m,
       offer(a + std::clamp(t, 0.0, 1.0) * edge, corners, edge);
     }
   }
+  // Otherwise the nearest point is the projection on the triangle's plane.
   if (inside) {
     offer(p_m - normal.dot(p_m - corner[0]) * normal, 3, Eigen::Vector3d::Zero());
   }
 }
 
 double shadow_area_m2(const SurfaceMesh& mesh, double depth_m) {
+  // The part below `top` is convex. Its corners are the mesh's low corners and the
+  // edges' crossings of z = top; their hull in (x, y) is the shadow.
   const double top = mesh.position_m.col(2).minCoeff() + depth_m;
   Planar points;
   for (Eigen::Index i = 0; i < mesh.triangle.rows(); ++i) {

@@ -42,9 +42,12 @@ ElementBatches::Energy Equilibrium::elastic(const NearState& state) const {
   return energy;
 }
 
-// K^-1 corrected by directions that tangents before have told of: the inverse update of
-// limited memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
+// K^-1 corrected by directions of earlier tangents: the inverse update of limited
+// memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
 NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
+  // Known directions p_i with q_i = H p_i and rho_i = 1 / (p_i . q_i). Two loops: first
+  // a_i = rho_i p_i . r, r -= a_i q_i, from the newest. Then z = K^-1 r and z += (a_i -
+  // rho_i q_i . z) p_i, from the oldest.
   Eigen::VectorXd rest = r;
   std::vector<double> along(known_.size());
   for (std::size_t i = known_.size(); i-- > 0;) {
@@ -66,7 +69,7 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   return z;
 }
 
-// What told so far of tangents may hide directions in which the body is not at rest.
+// Directions of earlier tangents may hide others in which the body is not at rest.
 void Equilibrium::forget_tangents() {
   known_.clear();
   if (tangent_ != nullptr) {
@@ -120,6 +123,7 @@ NearState Equilibrium::conjugate_gradients(Eigen::VectorXd r,
     }
     p = std::move(z);
     rz = rz_new;
+    // q = H p = K p + (K(u) - K(0)) p + d2Psi/du2 p, with K p = source of p.
     Eigen::VectorXd q = p.source_n;
     near_.add_change(p.displacement_m, q);
     contact_.add_curvature(p.displacement_m, q);
@@ -148,6 +152,7 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
                                            const Multipliers& multipliers,
                                            const NearState& state,
                                            EquilibriumReport& report) {
+  // Gradient of W + Psi on the near nodes: s + d(excess)/du + dPsi/du, with K u = s.
   Eigen::VectorXd gradient = state.source_n;
   near_.linearise(state.displacement_m, gradient, convex_);
   if (tangent_ != nullptr && slow_) {

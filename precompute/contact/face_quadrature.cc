@@ -17,6 +17,7 @@ struct RulePoint {
 };
 
 std::array<RulePoint, 6> triangle_rule() {
+  // Six points, exact for polynomials of degree 4 (Strang, Fix 1973). Weights sum to 1.
   constexpr double kA = 0.445948490915965;
   constexpr double kB = 0.091576213509771;
   constexpr double kWeightA = 0.223381589678011;
@@ -39,6 +40,7 @@ Eigen::Matrix<double, 6, 1> quadratic_shape(const Bary& L) {
 
 std::vector<FaceRulePoint> make_rule() {
   std::vector<FaceRulePoint> points;
+  // The rule on each of the four sub-triangles: a hat is linear there.
   for (const auto& sub : kSubTriangle) {
     for (const RulePoint& rule : triangle_rule()) {
       FaceRulePoint point;

@@ -61,6 +61,9 @@ std::vector<HeldPoint> held_points(
     const Eigen::Vector3d normal =
         (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
     for (int j = 0; j < 3; ++j) {
+      // Points at t = k / 8 of the edge from j to j + 1: k = 0 is the corner itself. A
+      // corner whose next corner is free contributes alone. The other triangle of the
+      // edge gives the same places with its own normal.
       const int inner = is(j + 1) ? kPointsOfEdge : 0;
       for (int k = 0; is(j) && k <= inner; ++k) {
         const double t = static_cast<double>(k) / (kPointsOfEdge + 1);
@@ -81,6 +84,7 @@ double depth_until_held_m(std::span<const HeldPoint> held,
       free_m = met_m;
       continue;
     }
+    // Bisection of the first step that meets a held point.
     for (int i = 0; i < kHalvings; ++i) {
       const double middle_m = 0.5 * (free_m + met_m);
       (is_met(near, path, middle_m) ? met_m : free_m) = middle_m;

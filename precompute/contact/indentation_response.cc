@@ -99,6 +99,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     return response;
   }
   response.origin = ResponseOrigin::kSimulated;
+  // Direction: the force's integral over the path, by the trapezoidal rule.
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t k = 1; k < indentation.sample.size(); ++k) {
     const IndentationSample& before = indentation.sample[k - 1];
@@ -108,6 +109,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
   }
   response.direction = mean.normalized();
   response.touch_offset_m = indentation.sample.front().penetration_m;
+  // Deflection d = (delta - touch offset) |n . u| (GLOSSARY.md).
   const double along = std::abs(path.outward.dot(response.direction));
   for (const IndentationSample& sample : indentation.sample) {
     response.depth_m.push_back((sample.penetration_m - response.touch_offset_m) *
@@ -143,7 +145,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
   };
   flag_if(indentation.force_capped, kForceCapped);
   flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
-  flag_if(indentation.hard_path, kHardPath);
+  flag_if(indentation.near_singular, kNearSingular);
   flag_if(indentation.reaches_elsewhere, kErrorOverBudget);
   return response;
 }

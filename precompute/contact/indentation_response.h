@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// What the pressure's mesh makes of the force [-], in force_difference()'s sense, told
-/// by pressure on a mesh twice as coarse. @param indentation with some force.
+/// What the pressure's mesh makes of the force [-], in force_difference()'s sense,
+/// reported by pressure on a mesh twice as coarse. @param indentation with some force.
 [[nodiscard]] double pressure_mesh_error(const Indentation& indentation);
 
-/// What the finer one of two meshes makes of the force [-], in the same sense, told by
-/// presses on both. @param finer on a mesh twice as fine; both with some force.
+/// What the finer one of two meshes makes of the force [-], in the same sense, reported
+/// by presses on both. @param finer on a mesh twice as fine; both with some force.
 [[nodiscard]] double mesh_error(const NodeResponse& coarse, const NodeResponse& finer,
                                 const Eigen::Vector3d& outward);
 

@@ -187,6 +187,8 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
     const std::int32_t v = queue.back();
     queue.pop_back();
     const ContactNode& node = node_of(surface, v);
+    // Held nodes carry no contact, but the search goes on over them to free nodes
+    // beyond.
     if (!is_supported(supports, node) && faces_tool(node)) {
       patch.push_back(v);
     }
@@ -216,11 +218,15 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   if (!(touch < path.depth_max_m)) {
     return result;
   }
+  // At each depth: w = g_0 + A f >= 0, f >= 0, w . f = 0. The forces f [N] of one depth
+  // are the start of the next.
   const Eigen::MatrixXd A = compliance.among(patch);
   const GapsAlong gaps_along(surface, patch, path, touch);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
   CoarseContact coarse(surface, patch, A);
   for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
+    // Depths past the touch grow with the square of the share: samples lie closer
+    // together near the touch.
     const double share = static_cast<double>(k) / path.samples;
     IndentationSample sample;
     sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
@@ -228,6 +234,7 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
+    // Force on the tool: sum_v f_v dg_v/d(reference).
     sample.force_n = gaps.by_centre.transpose() * f;
     sample.energy_j = -0.5 * f.dot(gaps.distance_m);  // A f closes the gaps under f
     sample.pressure_n = f;

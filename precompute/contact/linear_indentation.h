@@ -53,7 +53,7 @@ struct Indentation {
   /// at the last depth, over that; where nobody asked, 0.
   double nonlinearity = 0.0;
   /// The nonlinear path was cut, stiffened or met a body about to give way.
-  bool hard_path = false;
+  bool near_singular = false;
   int iterations = 0;  ///< of the complementarity solver, all depths
   bool converged = true;
   /// [-] Of the force at the last depth, what bears on the last nodes that were

@@ -83,6 +83,8 @@ void for_each_column(
     std::span<const PressureForces> load,
     const std::function<void(std::size_t, const Eigen::VectorXd&)>& take,
     const std::function<void(std::size_t)>& progress) {
+  // Column k is u = B_rows^T K^-1 B_load f_k. B holds the consistent unit loads of
+  // nodes, K^-1 the part of the factor on which loads and rows act.
   std::vector<std::int32_t> nodes(rows.begin(), rows.end());
   for (const PressureForces& forces : load) {
     nodes.insert(nodes.end(), forces.node.begin(), forces.node.end());
@@ -96,6 +98,7 @@ void for_each_column(
     const std::size_t first = block * kBlock;
     const auto some = load.subspan(first, std::min(kBlock, load.size() - first));
     const auto count = static_cast<Eigen::Index>(some.size());
+    // A block of right-hand sides is solved at once; columns past `count` stay zero.
     SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
     for (Eigen::Index k = 0; k < count; ++k) {
       const PressureForces& forces = some[static_cast<std::size_t>(k)];

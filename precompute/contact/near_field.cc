@@ -9,6 +9,7 @@ NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materi
                      const Supports& supports, std::span<const Eigen::Index> tets,
                      std::span<const std::int32_t> nodes)
     : node_(nodes.begin(), nodes.end()) {
+  // 1. Elements of nonlinear laws, and their nodes besides those asked for.
   std::vector<Eigen::Index> nonlinear;
   std::vector<std::int32_t> region;
   std::vector<ElementGeometry> geometry;
@@ -25,12 +26,14 @@ NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materi
   }
   std::sort(node_.begin(), node_.end());
   node_.erase(std::unique(node_.begin(), node_.end()), node_.end());
+  // 2. Unknowns of the near nodes, -1 where held; three for each node.
   dof_.reserve(3 * node_.size());
   for (const std::int32_t node : node_) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       dof_.push_back(supports.free_index[3 * static_cast<std::size_t>(node) + axis]);
     }
   }
+  // 3. The rest stiffness K_e of those elements: their tangent at u = 0.
   NodeGroups groups(static_cast<Eigen::Index>(nonlinear.size()), 10);
   for (std::size_t e = 0; e < nonlinear.size(); ++e) {
     for (int j = 0; j < 10; ++j) {
@@ -63,6 +66,7 @@ void NearField::mask(Eigen::VectorXd& v) const {
 }
 
 ElementBatches::Energy NearField::excess(const Eigen::VectorXd& u_m) const {
+  // sum_e W_e(u_e) - u . K_e u / 2.
   ElementBatches::Energy excess = elements_.energy(u_m);
   excess.energy_j -= 0.5 * rest_.quadratic_form(u_m);
   return excess;
@@ -70,6 +74,8 @@ ElementBatches::Energy NearField::excess(const Eigen::VectorXd& u_m) const {
 
 void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n,
                           bool convex) {
+  // change = sum_e (d2W_e/du2 - K_e). The first product adds -K_e u to the force, the
+  // elements add dW_e/du.
   change_.set_negative(rest_);
   change_.multiply_add(u_m, force_n);
   elements_.linearise(
@@ -121,6 +127,9 @@ double far_excess_j(const QuadraticMesh& mesh, std::span<const Material> materia
 
 double nonlinearity(const QuadraticMesh& mesh, std::span<const Material> materials,
                     const Eigen::VectorXd& u_m) {
+  // sum_e W_e(u_e) / (sum_e u_e . K_e u_e / 2) - 1, K_e the tangent at rest. The sums
+  // run over elements whose largest displacement gradient is at least kLeast of the
+  // body's.
   constexpr double kLeast = 0.05;
   constexpr double kMost = 10.0;
   std::vector<double> gradient;

@@ -57,6 +57,8 @@ class Press {
         touch_m_(touch_m),
         at_m_(touch_m),
         before_m_(touch_m) {
+    // Springs k_v = factor / C_vv: as stiff as the body under node v, times the factor
+    // [N/m].
     multipliers_.spring_n_per_m =
         options.spring_factor * compliance.diagonal().cwiseInverse();
     multipliers_.pressure_n = Eigen::VectorXd::Zero(contact_.nodes());
@@ -76,7 +78,7 @@ class Press {
         break;
       }
     }
-    result_.hard_path = stiff_ || was_cut_ || was_indefinite_;
+    result_.near_singular = stiff_ || was_cut_ || was_indefinite_;
     if (!result_.sample.empty()) {
       result_.far_excess_relative = far_excess_relative(near_tet_, displacement_m(),
                                                         result_.sample.back().energy_j);
@@ -239,7 +241,7 @@ class Press {
            options_.newton_per_depth * static_cast<int>(steps_.size());
   }
 
-  // Where the body may give way to a side, as a sharp edge does, updates of the
+  // Where the body may yield to a side, as a sharp edge does, updates of the
   // multipliers chase one another. Stiff springs and few updates make the potential's
   // minimum itself the answer.
   void stiffen() {

@@ -92,7 +92,7 @@ struct NonlinearIndentation {
   std::int64_t gradients = 0;
   /// A step was cut, the contact stiffened, or the tangent was indefinite where
   /// Newton's method ended: other equilibria may lie near.
-  bool hard_path = false;
+  bool near_singular = false;
   /// [-] far_excess_j over the energy, at the end; at most 1
   double far_excess_relative = 0.0;
   double near_gradient = 0.0;  ///< [-] of near tets: NonlinearOptions' or less

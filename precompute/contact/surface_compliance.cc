@@ -33,6 +33,7 @@ std::vector<std::vector<std::int32_t>> near_pairs(const ContactSurface& surface,
   });
   std::vector<std::vector<std::int32_t>> near(surface.node.size());
   for (std::size_t i = 0; i < by_x.size(); ++i) {
+    // Nodes are sorted by x: the first that is too far in x alone ends the search.
     for (std::size_t j = i; j < by_x.size(); ++j) {
       const Eigen::Vector3d apart = position(by_x[j]) - position(by_x[i]);
       if (apart.x() > radius_m) {
@@ -62,6 +63,7 @@ Supports hold_where(const QuadraticMesh& mesh, const Where& held) {
       std::fill_n(supports.free_index.begin() + 3 * std::ptrdiff_t{node}, 3, -1);
     }
   }
+  // Numbers free unknowns in order and marks held ones by -1.
   for (std::int64_t& index : supports.free_index) {
     index = index < 0 ? -1 : supports.free++;
   }
@@ -109,6 +111,8 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
     const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
     for_points_there(mesh, f, where, [&](const Eigen::Vector3d&, std::size_t p) {
       const FaceRulePoint& point = face_rule()[p];
+      // k integral of N_i N_j dA, the same for each axis [N/m]; the lower triangle
+      // alone.
       const double k = k_pa_per_m * point.area_share * area;
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
@@ -143,6 +147,8 @@ Stiffness reduce(const Stiffness& lower, const Supports& supports) {
   const auto index = [&](std::int64_t dof) {
     return supports.free_index[static_cast<std::size_t>(dof)];
   };
+  // The first pass counts entries, the second fills them in. Free unknowns keep their
+  // order: columns stay sorted, and the lower triangle stays one.
   std::int64_t kept = 0;
   for (int pass = 0; pass < 2; ++pass) {
     kept = 0;
@@ -177,6 +183,7 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      std::span<const std::int32_t> nodes,
                                      double radius_m, std::span<const char> wanted,
                                      const std::function<void(std::size_t)>& progress) {
+  // 1. Pattern: column v keeps its neighbours within the radius.
   for (const auto& list : near_pairs(surface, nodes, radius_m)) {
     const auto begin = static_cast<std::int64_t>(neighbour_.size());
     column_.push_back({begin, begin, std::ssize(list)});
@@ -188,6 +195,7 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
       "refine under the tool alone (accuracy.refine = \"local\"), or ask for a lower "
       "contact_resolution");
   value_.setZero(std::ssize(neighbour_), 1);
+  // 2. Values: (v, w) = b_v^T K^-1 b_w, b the consistent load of 1 N over a hat [m/N].
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
   const std::vector<std::int32_t> columns = by_elimination(loaded, surface, nodes);
   std::atomic<std::size_t> done = 0;
@@ -241,6 +249,8 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
     }
   }
   loaded.factor.solve(X);
+  // Rows are visited in ascending order, as each column keeps them. `next` is therefore
+  // a column's only place where the row can belong.
   Eigen::RowVectorXd average(X.cols());
   for (std::size_t w = 0; w < has_entry.size(); ++w) {
     if (has_entry[w] == 0) {

@@ -16,6 +16,8 @@ void add_blocks(const BlockMatrix& blocks, const std::vector<std::int64_t>& dof,
     const std::int64_t* const at = std::lower_bound(begin, end, row);
     K.valuePtr()[at - K.innerIndexPtr()] += value;
   };
+  // Free unknowns need not be numbered as near nodes are: an entry goes to the lower
+  // triangle, whichever of its ends has the larger number.
   blocks.for_each([&](std::int32_t a, std::int32_t b, const double* block) {
     for (std::size_t j = 0; j < 3; ++j) {
       for (std::size_t i = a == b ? j : 0; i < 3; ++i) {
@@ -55,6 +57,8 @@ NearState TangentFactor::solve(const Eigen::VectorXd& r) const {
     }
   }
   part_.solve(x);
+  // (K + D) u = r, D the near field's change of stiffness. u = K^-1 (r - D u): the
+  // pair's source is r - D u.
   NearState z{r, Eigen::VectorXd::Zero(r.size())};
   for (std::size_t i = 0; i < dof.size(); ++i) {
     if (dof[i] >= 0) {

@@ -34,11 +34,14 @@ std::vector<OutlineEdge> outline_of(const ToolShape& tool) {
     return {{Eigen::Vector2d::Zero(), up, tool.length_m}};
   }
   if (tool.kind == "flat-punch") {
+    // The core of radius R - e; the ball of radius e rounds its edge. The handle is
+    // endless.
     const double e = tool.edge_radius_m;
     const Eigen::Vector2d rim(tool.radius_m - e, e);
     return {edge_between({0.0, e}, rim), {rim, up, kInf}};
   }
   if (tool.kind == "cone") {
+    // Flank (sin a, cos a), a = half angle. A cone with a height ends in a level lid.
     const Eigen::Vector2d apex(0.0, tool.tip_radius_m);
     const Eigen::Vector2d flank(reproducible::sin(tool.half_angle_rad),
                                 reproducible::cos(tool.half_angle_rad));
@@ -168,6 +171,9 @@ double ToolSurface::distance_m(const Eigen::Vector3d& p_m) const {
 ToolDistance ToolSurface::distance_to_core(const Eigen::Vector3d& p_m) const {
   const double s = std::hypot(p_m.x(), p_m.y());
   const PlaneDistance plane = plane_distance(outline_, {s, p_m.z()});
+  // The plane's gradient (n_s, n_z) turns about the axis: n = n_s out + n_z e_z. The
+  // Hessian is c a a^T + n_s / s r r^T. Here a = `along` the outline, r = `round` the
+  // axis, and c is the plane's curvature.
   const Eigen::Vector3d out = s > 0.0 ? Eigen::Vector3d(p_m.x() / s, p_m.y() / s, 0.0)
                                       : Eigen::Vector3d::UnitX();
   const Eigen::Vector3d round(-out.y(), out.x(), 0.0);
@@ -204,6 +210,8 @@ ToolDistance ToolSurface::distance_to_mesh(const Eigen::Vector3d& p_m) const {
   if (on_face) {
     return {distance, normal, curvature};
   }
+  // Round a corner the distance curves like a sphere's, along both tangents, and round
+  // an edge like a cylinder's, across the edge alone.
   if (nearest.corners == 1) {
     curvature = (Eigen::Matrix3d::Identity() - normal * normal.transpose()) / distance;
   } else if (nearest.corners == 2) {
@@ -217,6 +225,8 @@ double ToolSurface::support_m(const Eigen::Vector3d& direction) const {
   if (!turns_about_axis()) {
     return (shape_.mesh.position_m * direction).maxCoeff();
   }
+  // max over the core of x . d, plus rho |d| for the ball. In the half plane the
+  // direction is (|d_xy|, d_z). The maximum lies at an end of an edge.
   const Eigen::Vector2d d(std::hypot(direction.x(), direction.y()), direction.z());
   double support = -kInf;
   for (const OutlineEdge& edge : outline_) {

@@ -166,6 +166,8 @@ void run_in_lock_step(const CholeskyFactor& factor,
   std::vector<Running*> waiting;
   std::vector<Request*> requests;
   PartSolver solver(factor);
+  // 1. Every task runs to its first request or to its end: a coroutine starts when
+  //    made.
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     running[i].coroutine = std::make_unique<Coroutine::pull_type>(
         boost::coroutines2::fixedsize_stack(kStackBytes),
@@ -174,6 +176,7 @@ void run_in_lock_step(const CholeskyFactor& factor,
         });
   }
   for (;;) {
+    // 2. The requests of all tasks that wait are served by one block solve.
     waiting.clear();
     requests.clear();
     for (Running& r : running) {
@@ -191,6 +194,8 @@ void run_in_lock_step(const CholeskyFactor& factor,
     } catch (...) {
       failure = std::current_exception();
     }
+    // 3. Each task goes on to its next request. A solve that failed throws in each of
+    //    them.
     for (Running* r : waiting) {
       r->request.failure = failure;
       (*r->coroutine)();

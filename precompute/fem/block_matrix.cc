@@ -7,6 +7,8 @@ namespace palpate {
 
 BlockMatrix::BlockMatrix(std::int32_t nodes, const NodeGroups& groups)
     : groups_(groups) {
+  // Compressed rows: blocks (a, b), b <= a, of nodes that share a group, without
+  // repeats.
   std::vector<std::vector<std::int32_t>> row(static_cast<std::size_t>(nodes));
   for (Eigen::Index g = 0; g < groups.rows(); ++g) {
     for (Eigen::Index i = 0; i < groups.cols(); ++i) {
@@ -23,6 +25,8 @@ BlockMatrix::BlockMatrix(std::int32_t nodes, const NodeGroups& groups)
     column_.insert(column_.end(), list.begin(), list.end());
     begin_.push_back(static_cast<std::int64_t>(column_.size()));
   }
+  // slot_ holds where each pair (i, j) of each group adds. Its mirror image adds the
+  // pairs above the diagonal.
   value_.assign(9 * column_.size(), 0.0);
   for (Eigen::Index g = 0; g < groups_.rows(); ++g) {
     for (Eigen::Index i = 0; i < groups_.cols(); ++i) {
@@ -77,6 +81,8 @@ void BlockMatrix::add(std::span<const Eigen::Index> groups,
             to[k] += from[k][lane];
           }
         } else {
+          // The mesh numbers the pair the other way round: the block is added
+          // transposed.
           double* to = value_.data() + 9 * slots[b * kElementNodes + a];
           for (std::size_t k = 0; k < 9; ++k) {
             to[k] += from[3 * (k % 3) + k / 3][lane];
@@ -88,6 +94,7 @@ void BlockMatrix::add(std::span<const Eigen::Index> groups,
 }
 
 void BlockMatrix::multiply_add(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+  // y_a += A_ab x_b and, for the half that is not stored, y_b += A_ab^T x_a.
   for (std::int32_t a = 0; a < nodes(); ++a) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     const Eigen::Vector3d x_a = x.segment<3>(3 * Eigen::Index{a});

@@ -68,6 +68,8 @@ class Descendants {
       ++last;
     }
     position_[d] = last;
+    // C = L_1 L_2^T: L_1 are d's rows from `first` on, L_2 those of them that are
+    // columns of s.
     const FactorKernels& kernels = factor_kernels();
     const std::ptrdiff_t m = (rows - first) * block_;
     const std::ptrdiff_t n = (last - first) * block_;
@@ -78,6 +80,7 @@ class Descendants {
     kernels.product(m, n, k, L, factor.rows(d), L, factor.rows(d), C, ldc, true,
                     C + ldc * n);
     const std::ptrdiff_t ld = factor.rows(s);
+    // s loses C where its own rows lie.
     for (std::int64_t j = first; j < last; ++j) {
       for (std::ptrdiff_t b = 0; b < block_; ++b) {
         const double* const from = C + ((j - first) * block_ + b) * ldc;
@@ -161,6 +164,10 @@ void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
   double smallest = std::numeric_limits<double>::infinity();
   double largest = 0.0;
   double* numbers = number.get();
+  // Left-looking (Ng, Peyton 1993), for each supernode of m rows and k columns:
+  // 1. Its columns of K.
+  // 2. Minus the products L_d L_d^T of its descendants d.
+  // 3. A dense factor of what is left.
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     const std::ptrdiff_t m = nodes.rows(s);
     const std::ptrdiff_t k = nodes.columns(s);
@@ -229,6 +236,8 @@ FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
     return at(std::upper_bound(whole.begin.begin(), whole.begin.end(), c) -
               whole.begin.begin() - 1);
   };
+  // A load on a column fills only that column's ancestors in the elimination tree. The
+  // part is therefore the supernodes of the unknowns and all their parents.
   std::vector<char> reached(whole.count(), 0);
   for (const std::int64_t unknown : unknowns) {
     if (unknown >= 0) {
@@ -273,6 +282,8 @@ std::int64_t CholeskyFactor::factor_nonzeros() const {
 
 Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
   const std::vector<std::int32_t>& order = impl_->order;
+  // X = P^T (L L^T)^-1 P B, P the order of elimination; at most kSolveWidthMax columns
+  // at once.
   Eigen::MatrixXd X(B.rows(), B.cols());
   if (B.cols() == 1) {
     Eigen::VectorXd x = B.col(0)(order);

@@ -111,6 +111,9 @@ ElementBatches::ElementBatches(NodeGroups node,
       open[law].push_back(batch_.size());
       batch_.emplace_back().law = law;
     }
+    // An element fills its place and all places after it. A batch that stays open
+    // therefore holds its last element several times, and `count` says how many are
+    // real.
     Batch& batch = batch_[open[law].back()];
     for (std::size_t lane = batch.count; lane < kBatch; ++lane) {
       batch.element[lane] = static_cast<Eigen::Index>(e);

@@ -88,6 +88,8 @@ void FactorPart::solve(Eigen::VectorXd& x) const {
 FactorPart FactorPart::rounded() const {
   auto part = std::make_shared<Impl>(*impl_);
   Supernodes& nodes = part->nodes;
+  // L / scale in single precision, scale the largest pivot: numbers of any unit fit.
+  // The solve gives scale^2 K^-1 b, which solve() divides by scale^2.
   part->scale = 0.0;
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     for (std::ptrdiff_t j = 0; j < nodes.columns(s); ++j) {

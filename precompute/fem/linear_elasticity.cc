@@ -59,6 +59,7 @@ Stiffness zero_stiffness(const std::vector<std::vector<std::int32_t>>& below) {
   const auto n = static_cast<std::int64_t>(3 * below.size());
   std::int64_t nonzeros = 0;
   for (const auto& list : below) {
+    // Nine entries a block; a diagonal block lacks the three above its diagonal.
     nonzeros += 9 * static_cast<std::int64_t>(list.size()) - 3;
   }
   Stiffness K(n, n);
@@ -124,6 +125,8 @@ Stiffness assemble_stiffness(const QuadraticMesh& mesh,
     geometry.push_back(element_geometry(tet_corners(mesh, t), t));
     region.push_back(region_of(mesh, t));
   }
+  // K = sum_e d2W_e/du2 at u = 0. Batches hold the blocks (i, j), j <= i, of an
+  // element.
   const ElementBatches elements(mesh.tet, geometry, region, material);
   elements.linearise(
       Eigen::VectorXd::Zero(3 * mesh.position_m.rows()), false,
@@ -133,6 +136,8 @@ Stiffness assemble_stiffness(const QuadraticMesh& mesh,
           for (Eigen::Index i = 0, block = 0; i < 10; ++i) {
             for (Eigen::Index j = 0; j <= i; ++j, ++block) {
               const double* from = &response.stiffness[block][0][lane];
+              // K keeps rows >= columns in the mesh's numbers; otherwise the block's
+              // transpose counts.
               const bool lower = nodes[i] >= nodes[j];
               blocks.add(std::max(nodes[i], nodes[j]), std::min(nodes[i], nodes[j]),
                          from, kBatch, !lower);

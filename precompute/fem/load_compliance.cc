@@ -31,6 +31,8 @@ struct SortedLoads {
   std::vector<Entry> entry;          // by rows, then by loads
 
   explicit SortedLoads(const LoadColumns& A) {
+    // Loads are numbered by their first rows, so that those which have begun come
+    // first.
     std::vector<std::pair<std::int32_t, Eigen::Index>> order;
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       auto row = std::numeric_limits<std::int32_t>::max();
@@ -73,6 +75,9 @@ class Elimination {
         C_(Eigen::MatrixXd::Zero(A.cols(), A.cols())) {}
 
   Eigen::MatrixXd run() {
+    // Children come before their parent. A supernode's front (loads x rows) is summed
+    // up and its columns are eliminated to Y'. Their products add to C = Y'Y; the rest
+    // of the front goes to the parent.
     for (std::ptrdiff_t s = 0; s < part_.count; ++s) {
       choose_loads(s);
       if (!load_.empty()) {
@@ -82,6 +87,8 @@ class Elimination {
         hand_on(s);
       }
     }
+    // Loads are sorted, columns of A are not. Each pair was added on one side of the
+    // diagonal.
     for (Eigen::Index j = 0; j < C_.cols(); ++j) {
       for (Eigen::Index i = 0; i < j; ++i) {
         C_(i, j) += C_(j, i);
@@ -132,6 +139,8 @@ class Elimination {
   }
 
   void assemble(std::ptrdiff_t s) {
+    // The front holds loads by rows of the supernode: the loads' own entries, and what
+    // the children's fronts have left.
     std::fill_n(front_.get(), ld_ * row_count(s), 0.0);
     for (std::size_t e = own_begin_; e < own_end_; ++e) {
       const Entry& entry = all_.entry[e];

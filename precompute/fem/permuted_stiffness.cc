@@ -13,6 +13,8 @@ bool has_blocks(const Stiffness& lower) {
   if (lower.cols() % kAxes != 0) {
     return false;
   }
+  // Columns c to c + 2 of a block hold the same rows, each less those above its
+  // diagonal. Rows come in threes, from a multiple of three on.
   for (std::int64_t c = 0; c < lower.cols(); c += kAxes) {
     const std::int64_t rows = begin[c + 1] - begin[c];
     if (rows % kAxes != 0 || begin[c + 2] - begin[c + 1] != rows - 1 ||
@@ -82,6 +84,8 @@ void PermutedStiffness::add_to(std::int32_t first, std::int32_t last,
   for (std::int32_t k = first; k < last; ++k) {
     const std::int64_t c = order_[at(k)];
     double* const column = numbers + std::ptrdiff_t{k - first} * block_ * ld;
+    // Column k of the permuted matrix takes rows >= k: of column c of the lower
+    // triangle, and, transposed, of row c of it.
     for (std::int64_t slot = 0; slot < blocks_in(c); ++slot) {
       const std::int32_t row = place_[at(row_of(c, slot))];
       if (row >= k) {

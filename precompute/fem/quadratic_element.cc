@@ -97,6 +97,8 @@ ElementVector nodal_values(const QuadraticMesh& mesh, Eigen::Index tet,
 
 ElementGeometry element_geometry(const Eigen::Matrix<double, 4, 3>& corner_m,
                                  Eigen::Index tet) {
+  // x = x_0 + E (L_1, L_2, L_3), E = `edges`. Rows of E^-1 are therefore the gradients
+  // of L_1 to L_3 [1/m]. The gradient of L_0 is minus their sum, for the L sum to 1.
   Eigen::Matrix3d edges;
   for (int j = 0; j < 3; ++j) {
     edges.col(j) = (corner_m.row(j + 1) - corner_m.row(0)).transpose();
@@ -111,6 +113,8 @@ ElementGeometry element_geometry(const Eigen::Matrix<double, 4, 3>& corner_m,
   BarycentricGradients d_L;
   d_L.bottomRows<3>() = inverse;
   d_L.row(0) = -inverse.colwise().sum();
+  // Four points of weight 1/4, exact for polynomials of degree 2 (Hammer, Marlowe,
+  // Stroud 1956).
   const double near = 0.25 + 0.15 * std::sqrt(5.0);  // 0.58541020
   const double far = 0.25 - 0.05 * std::sqrt(5.0);   // 0.13819660
   for (int q = 0; q < 4; ++q) {
@@ -123,6 +127,7 @@ ElementGeometry element_geometry(const Eigen::Matrix<double, 4, 3>& corner_m,
 
 double element_energy(const ElementGeometry& geometry, const Material& material,
                       const ElementVector& u_m) {
+  // W = V/4 sum_q Psi(F_q) + V k/2 thetabar^2, thetabar = 1/4 sum_q theta(F_q).
   const std::array<Eigen::Matrix3d, 4> F = all_gradients(geometry, u_m);
   double energy = 0.0;
   for (const Eigen::Matrix3d& F_q : F) {
@@ -147,6 +152,10 @@ ElementLinearisation element_response(const ElementGeometry& geometry,
   const double k = volume_modulus_pa(material);
   const double theta = measure == VolumeMeasure::kNone ? 0.0 : mean_theta(measure, F);
   response.energy_j = 0.5 * geometry.volume_m3 * k * theta * theta;
+  // With w = V/4, P_q = dPsi/dF + k thetabar dtheta/dF and A_q = dP_q/dF at fixed
+  // thetabar:
+  //   f_a  = sum_q w P_q grad N_a
+  //   K_ab = sum_q w grad N_a . A_q . grad N_b + k/V d_theta_a d_theta_b^T
   ElementVector d_theta = ElementVector::Zero();  // V dthetabar/du
   for (std::size_t q = 0; q < 4; ++q) {
     LocalResponse local = distortion_response(material, F[q]);
@@ -165,6 +174,8 @@ ElementLinearisation element_response(const ElementGeometry& geometry,
   }
   mirror(response.stiffness);
   if (measure != VolumeMeasure::kNone) {
+    // The rank-one term is outside what is clipped: it has no negative eigenvalue for k
+    // >= 0.
     response.stiffness.noalias() +=
         (k / geometry.volume_m3) * d_theta * d_theta.transpose();
   }

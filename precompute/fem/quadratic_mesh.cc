@@ -17,6 +17,8 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
   mesh.tet.resize(tets.tet.rows(), 10);
   std::unordered_map<std::uint64_t, std::int32_t> middle;
   std::vector<std::pair<std::int32_t, std::int32_t>> ends;
+  // Nodes 0 to 3 of a tet are its corners, 4 to 9 the middles of kTetEdges. Middles are
+  // numbered after all corners, in the order in which edges are met first.
   for (Eigen::Index t = 0; t < tets.tet.rows(); ++t) {
     mesh.tet.row(t).head<4>() = tets.tet.row(t);
     for (int e = 0; e < 6; ++e) {
@@ -31,6 +33,7 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
       mesh.tet(t, 4 + e) = at->second;
     }
   }
+  // Edges are straight: a middle is the mean of its ends.
   mesh.position_m.resize(mesh.corners + static_cast<Eigen::Index>(ends.size()), 3);
   mesh.position_m.topRows(mesh.corners) = tets.position_m;
   for (std::size_t e = 0; e < ends.size(); ++e) {
@@ -38,6 +41,7 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
         0.5 *
         (tets.position_m.row(ends[e].first) + tets.position_m.row(ends[e].second));
   }
+  // Nodes 3 to 5 of a face are the middles of (0, 1), (1, 2), (2, 0).
   mesh.surface.resize(surface.rows(), 6);
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     for (int j = 0; j < 3; ++j) {

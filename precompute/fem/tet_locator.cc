@@ -35,6 +35,7 @@ TetLocator::TetLocator(const QuadraticMesh& mesh) : mesh_(mesh) {
   tets_.resize(static_cast<std::size_t>(cells_.prod()));
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
     const Eigen::Matrix<double, 4, 3> corner = tet_corners(mesh, t);
+    // Barycentric coordinates of p are A^-1 (p, 1), A the corners over ones.
     Eigen::Matrix4d A;
     A << corner.transpose(), Eigen::RowVector4d::Ones();
     area_.emplace_back(A.inverse());

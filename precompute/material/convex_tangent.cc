@@ -47,6 +47,7 @@ void clip_negative(const Eigen::Matrix3d& F, Tangent& tangent) {
     return;
   }
   constexpr double kRounding = 1e-10;
+  // The tangent in the basis u_i v_j^T: one block of three and three blocks of two.
   const Tangent dyads = principal_dyads(F);
   Tangent rest = dyads.transpose() * tangent * dyads;
   Tangent clipped_blocks = Tangent::Zero();
@@ -60,6 +61,8 @@ void clip_negative(const Eigen::Matrix3d& F, Tangent& tangent) {
     const Eigen::Array2i shears(entry(i, j), entry(j, i));
     clip(shears, Small(rest(shears, shears)));
   }
+  // What the blocks leave is zero for an isotropic law. For other laws the whole
+  // tangent is clipped; so it is where F is singular, whose dyads are NaN.
   if (rest.norm() <= kRounding * tangent.norm()) {
     tangent = dyads * clipped_blocks * dyads.transpose();
   } else {

@@ -36,6 +36,7 @@ void check_moduli(const TransverseModuli& m) {
                     "and 1, both excluded",
                     m.poisson_tt));
   }
+  // The energy is positive where nu_lt^2 < (1 - nu_tt)/2 E_l/E_t (Lempriere 1968).
   const double limit =
       std::sqrt(0.5 * (1.0 - m.poisson_tt) * (m.youngs_along_pa / m.youngs_across_pa));
   if (!(std::abs(m.poisson_lt) < limit)) {
@@ -48,6 +49,7 @@ void check_moduli(const TransverseModuli& m) {
 
 // Stresses from stretches along the axes (fibre, across, across).
 Eigen::Matrix3d axial_stiffness(const TransverseModuli& m) {
+  // Strains from stresses: 1/E on the diagonal, -nu_lt/E_l and -nu_tt/E_t beside it.
   const double along = 1.0 / m.youngs_along_pa;
   const double across = 1.0 / m.youngs_across_pa;
   const double lt = -m.poisson_lt * along;
@@ -100,6 +102,9 @@ TransverselyIsotropic transversely_isotropic(const TransverseModuli& moduli,
                                              bool finite_strain) {
   const Eigen::Vector3d a0 = checked_fibre(fibre);
   check_moduli(moduli);
+  // C = sum_ab D_ab (a a)(b b) + sum_pairs G_ab (a b + b a)(a b + b a), a and b unit
+  // axes. D = axial_stiffness. G across the fibre follows from isotropy there: E_t / (2
+  // (1 + nu_tt)).
   Eigen::Matrix3d axes;  // columns: fibre, across, across
   axes << a0, a0.unitOrthogonal(), a0.cross(a0.unitOrthogonal());
   const auto dyad = [&axes](int a, int b) -> Eigen::Matrix3d {
@@ -221,6 +226,8 @@ LocalResponse distortion_response(const FibreExponential& law,
   if (!std::isfinite(fibre.curvature)) {
     return inadmissible();
   }
+  // Ibar4 = J^(-2/3) I4, I4 = |F a0|^2. P += psi' dIbar4/dF, and A += psi' d2Ibar4/dF2
+  // + psi'' dIbar4/dF dIbar4/dF, primes by x = Ibar4 - 1.
   const double scale = reproducible::exp(-2.0 / 3.0 * log_J);
   const Eigen::Vector3d a = F * law.fibre;
   const Eigen::Matrix3d dI4 = 2.0 * a * law.fibre.transpose();

@@ -81,6 +81,8 @@ LocalResponse distortion_response(const NeoHookean& law, const Eigen::Matrix3d& 
   if (!(J > 0.0)) {
     return inadmissible();
   }
+  // Psi = mu/2 (Ibar1 - 3), Ibar1 = J^(-2/3) I1. The tangent begins with mu J^(-2/3) 1,
+  // the part of d2I1/dF2 = 2; add_isochoric has the others.
   const double mu = law.shear_modulus_pa;
   const double scale_excess = reproducible::expm1(-2.0 / 3.0 * log_J);
   const double scale = 1.0 + scale_excess;
@@ -117,6 +119,7 @@ LocalResponse distortion_response(const MooneyRivlin& law, const Eigen::Matrix3d
   if (!(J > 0.0)) {
     return inadmissible();
   }
+  // Psi = c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3), dI2/dF = 2 (I1 F - F C).
   const double scale1 = reproducible::exp(-2.0 / 3.0 * log_J);
   const double scale2 = scale1 * scale1;
   const double I1 = F.squaredNorm();

@@ -41,6 +41,7 @@ LocalResponse distortion_response(const Linear& law, const Eigen::Matrix3d& F) {
   const double lambda = negative_part(law.lame_lambda_pa);
   const Eigen::Matrix3d eps = small_strain(F);
   const double trace = eps.trace();
+  // P = 2 mu eps + lambda tr(eps) 1, dP = mu (dF + dF^T) + lambda tr(dF) 1.
   LocalResponse response;
   response.energy_density = mu * eps.squaredNorm() + 0.5 * lambda * trace * trace;
   response.stress = 2.0 * mu * eps + lambda * trace * Eigen::Matrix3d::Identity();

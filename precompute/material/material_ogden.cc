@@ -46,6 +46,7 @@ std::optional<PrincipalFrame> principal_frame(const Eigen::Matrix3d& F) {
 }
 
 double energy_in(const Ogden& law, const PrincipalFrame& frame) {
+  // sum_i mu_i / alpha_i sum_a (lbar_a^alpha_i - 1), lbar^alpha = exp(alpha log lbar).
   double energy = 0.0;
   for (std::size_t i = 0; i < law.n_terms; ++i) {
     double sum = 0.0;
@@ -90,6 +91,8 @@ void add_term(double mu, double alpha, const PrincipalFrame& frame,
       W.curvature(a, b) += mu * scaled / (l[a] * l[b]);
     }
   }
+  // (W_a - W_b)/(l_a - l_b) = mu ((q_a/l_a - q_b/l_b)/(l_a - l_b) + m/(l_a l_b)). The
+  // first term is q_b/l_b^2 times power_slope of p = alpha - 1.
   for (int pair = 0; pair < 3; ++pair) {
     const auto [a, b] = kPairs[static_cast<std::size_t>(pair)];
     const double slope = power_slope(alpha - 1.0, frame.log_bar[a] - frame.log_bar[b]);
@@ -112,6 +115,8 @@ Tangent assembled_tangent(const PrincipalFrame& frame, const PrincipalDerivative
     set_column(3 + a, std::sqrt(0.5) * (bc + cb));
     set_column(6 + a, std::sqrt(0.5) * (bc - cb));
   }
+  // A = B D B^T with B = `basis`. D is W_ab among the stretches and diagonal elsewhere:
+  // the flips' and twists' eigenvalues.
   Tangent scaled;
   scaled.leftCols<3>().noalias() = basis.leftCols<3>() * W.curvature;
   scaled.middleCols<3>(3).noalias() = basis.middleCols<3>(3) * W.flip.asDiagonal();
@@ -133,6 +138,7 @@ Ogden ogden(std::span<const double> mu_pa, std::span<const double> alpha,
   check_poissons_ratio(poissons_ratio);
   Ogden law;
   law.n_terms = mu_pa.size();
+  // Shear modulus at rest: half of sum_i mu_i alpha_i [Pa].
   double twice_shear_pa = 0.0;
   for (std::size_t i = 0; i < law.n_terms; ++i) {
     if (!std::isfinite(mu_pa[i]) || !std::isfinite(alpha[i]) || alpha[i] == 0.0) {
@@ -161,6 +167,7 @@ LocalResponse distortion_response(const Ogden& law, const Eigen::Matrix3d& F) {
   if (!frame) {
     return inadmissible();
   }
+  // P = sum_a W_a n_a N_a^T, W_a = dPsi/dl_a.
   PrincipalDerivatives W;
   for (std::size_t i = 0; i < law.n_terms; ++i) {
     add_term(law.mu_pa[i], law.alpha[i], *frame, W);

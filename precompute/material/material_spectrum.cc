@@ -63,6 +63,8 @@ std::vector<double> fitted_rates_per_s(const std::vector<double>& tau_s) {
 Scene transformed_scene(const Scene& scene, double rate_per_s) {
   Scene relaxed = scene;
   for (SceneMaterial& material : relaxed.material) {
+    // share = 1 - sum_k g_k / (1 + s tau_k), s = rate_per_s: the relaxation's
+    // transform.
     double share = 1.0;
     for (std::size_t k = 0; k < material.relaxation.g.size(); ++k) {
       share -= material.relaxation.g[k] *

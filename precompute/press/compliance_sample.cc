@@ -20,6 +20,8 @@ ColumnSample column_sample(const BodyModel& model, std::span<const PressedNode> 
     }
   }
   sample.all = static_cast<std::size_t>(std::count(any.begin(), any.end(), 1));
+  // A block of kBlock columns is solved as a whole if one of its columns is wanted.
+  // Blocks are counted here in the order of contact nodes.
   const std::size_t block = SurfaceCompliance::kBlock;
   std::size_t seen = 0;
   bool needed = false;

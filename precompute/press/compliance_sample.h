@@ -1,5 +1,5 @@
 // The columns of a shared surface compliance that a few presses need: a sample from
-// which the cost of all columns is told.
+// which the cost of all columns is estimated.
 #pragma once
 
 #include <cstddef>

@@ -102,6 +102,8 @@ BinnedColumn binned(const ContactSurface& surface, std::span<const std::int32_t>
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const ContactNode& node = surface.node[static_cast<std::size_t>(rows[j])];
     const double r = (node.position_m - at_m).norm();
+    // Hats over ln r: r u is averaged over the surface around each knot. On a half
+    // space r u is constant away from the load.
     const double step = reproducible::log(r / knots.first_m) / knots.log_step;
     const auto below = static_cast<Eigen::Index>(std::floor(std::max(step, -1.0)));
     for (Eigen::Index k = below; k <= below + 1; ++k) {
@@ -156,6 +158,7 @@ RowsOf<float> rows_of(const std::vector<BinnedColumn>& bins, double least_m2) {
   const auto knots = bins.front().sum.size();
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(knots);
   for (Eigen::Index k = 0; k < knots; ++k) {
+    // Mean over all columns, weighted by surface.
     double area = 0.0;
     for (const BinnedColumn& column : bins) {
       mean[k] += column.sum[k];
@@ -231,6 +234,7 @@ ComplianceTable coupling_table(const Scene& scene, const BodySource& body,
   for_each_column(
       *model.factor, model.supports, model.contact, all, spot,
       [&](std::size_t k, const Eigen::VectorXd& u_m) {
+        // Column k: displacements under the unit pressure of spot k.
         bins[k] = binned(model.contact, rows, u_m.head(averaged),
                          body.surface.position_m.row(wanted[k]).transpose(), knots);
         if (with_modes) {
@@ -312,6 +316,8 @@ bool one_equilibrium(const ComplianceTable& coupling, const ResponseTable& respo
     Eigen::MatrixXd A(std::ssize(set), std::ssize(set));
     for (Eigen::Index a = 0; a < A.rows(); ++a) {
       const std::int32_t v = set[static_cast<std::size_t>(a)];
+      // A = C + diag(1 / k_max): the contacts have one equilibrium where A is positive
+      // definite.
       A(a, a) = 1.0 / responses.stiffness_max_n_per_m[static_cast<std::size_t>(v)];
       for (Eigen::Index b = 0; b < a; ++b) {
         const std::int32_t w = set[static_cast<std::size_t>(b)];

@@ -29,6 +29,7 @@ Modes largest_modes(const Eigen::MatrixXd& E, Eigen::MatrixXd Q) {
     Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() *
         Eigen::MatrixXd::Identity(Q.rows(), Q.cols());
   }
+  // Rayleigh-Ritz: eigenpairs of E within the span of Q.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(Q.transpose() * (E * Q));
   std::vector<Eigen::Index> order(static_cast<std::size_t>(Q.cols()));
   std::iota(order.begin(), order.end(), 0);
@@ -91,6 +92,8 @@ void add_modes(const Eigen::MatrixXd& compliance_m_per_n,
     start(k * n / width, k) += 1e-3 * E.cwiseAbs().maxCoeff();
   }
   Modes modes;
+  // Entries nearer than the first distance are not the table's and shall not shape the
+  // modes. Each round fills them with what the modes have there.
   for (int round = 0; round < kRounds; ++round) {
     modes = largest_modes(E, start);
     start = modes.vector;

@@ -70,6 +70,8 @@ CutOutSolver::CutOutSolver(const Scene& scene, const BodySource& body,
                                .outward = Eigen::Vector3d::UnitZ(),
                                .tool = tool,
                                .depth_max_m = scene.reach.depth_max_m};
+    // The narrowest cut is the one of estimate(), kCutStep times narrower than asked
+    // for. It must hold the candidate contact set and two node spacings around.
     const double least_m = kCutStep * (patch_radius_m(path, contact_spacing_m_) +
                                        2.0 * contact_spacing_m_);
     if (scene.cutout->radius_m < least_m) {
@@ -91,6 +93,7 @@ CutOutSolver::CutOutSolver(const Scene& scene, const BodySource& body,
 std::vector<std::vector<std::int32_t>> CutOutSolver::groups(
     std::span<const std::int32_t> vertices) const {
   const double share_m = kGroupShare * scene_.cutout->radius_m;
+  // Vertices in a disc of radius share_m at the body's mean density of vertices.
   const double in_disc = std::numbers::pi * share_m * share_m *
                          static_cast<double>(body_.surface.position_m.rows()) /
                          surface_area_m2(body_.surface);
@@ -115,12 +118,13 @@ ClampedPart CutOutSolver::part(std::span<const std::int32_t> group,
                     taken.corner.begin()));
   }
   model.supports = scene_supports(scene_, model.mesh);
-  // Where the scene holds the cut it does not give way.
+  // Where the scene holds the cut, the cut does not move.
   std::copy_if(
       cut.begin(), cut.end(), std::back_inserter(part.cut), [&](std::int32_t node) {
         return model.supports.free_index[3 * static_cast<std::size_t>(node)] >= 0;
       });
   hold(part.cut, model.supports);
+  // A part without a cut is the whole body, which only the scene's supports hold.
   if (cut.empty()) {
     check_held(scene_, model);
   }
@@ -153,6 +157,8 @@ SurfaceCompliance CutOutSolver::compliance(const ClampedPart& part,
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   if (exterior != nullptr && !part.cut.empty() && !touched.empty()) {
+    // The clamped part's compliance lacks the motion of the cut; the coarse body adds
+    // it.
     compliance.add(touched, exterior->exterior_compliance(part, touched));
   }
   return compliance;
@@ -206,10 +212,13 @@ void CutOutSolver::estimate(std::span<PressedNode> nodes,
     if (wide.sample.size() < 2) {
       continue;
     }
+    // One sample at the wide press's last depth, without a limit of force.
     narrow[i].path.depth_max_m = wide.sample.back().penetration_m;
     narrow[i].path.force_max_n = std::numeric_limits<double>::infinity();
     narrow[i].path.samples = 1;
     press_linear(part.model, among, narrow[i]);
+    // An error of order 1/R grows by the factor kCutStep in the narrower cut. It is
+    // therefore the difference over (kCutStep - 1).
     wide.exterior_error_relative = 1.0;
     if (narrow[i].indentation.sample.size() > 1) {
       const double wide_n = wide.sample.back().force_n.norm();

@@ -48,6 +48,7 @@ MergedGaps merged_gaps(const ContactSurface& surface, std::span<const std::int32
     for (std::size_t j = 0; j < patch.size(); ++j) {
       const auto from = static_cast<Eigen::Index>(j);
       const auto row = std::lower_bound(all.begin(), all.end(), patch[j]) - all.begin();
+      // A node that several tools may touch meets the nearest.
       if (gaps.distance_m[from] < merged.distance_m[row]) {
         merged.distance_m[row] = gaps.distance_m[from];
         merged.by_centre.row(row) = gaps.by_centre.row(from);
@@ -89,6 +90,8 @@ Eigen::VectorXd joint_forces_n(const BodyModel& model,
                                const Eigen::MatrixXd& A,
                                std::span<const PressedNode> nodes,
                                const Eigen::VectorXd& penetration_m) {
+  // One problem for all tools: w = g + A f >= 0, f >= 0, w . f = 0 over all their
+  // nodes.
   const MergedGaps gaps = merged_gaps(model.contact, all, nodes, penetration_m);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
   if (!solve_complementarity(A, gaps.distance_m, f).converged) {
@@ -134,6 +137,8 @@ void add_errors(const Eigen::VectorXd& joint_n, const Eigen::VectorXd& found_n,
 Eigen::VectorXd coupled_forces_n(std::span<const CurveView> curve,
                                  const Eigen::VectorXd& depth_m,
                                  const Eigen::MatrixXd& compliance_m_per_n) {
+  // Solves g(delta) = delta + C f(delta) - d = 0 by Newton's method, J = 1 + C
+  // diag(f'). C has no diagonal: a contact's own compliance is in its curve f.
   constexpr int kSteps = 200;
   const Eigen::Index n = depth_m.size();
   Eigen::MatrixXd C = compliance_m_per_n;
@@ -156,6 +161,7 @@ Eigen::VectorXd coupled_forces_n(std::span<const CurveView> curve,
         Eigen::MatrixXd::Identity(n, n) + C * k.asDiagonal().toDenseMatrix();
     const Eigen::VectorXd by = J.partialPivLu().solve(-g);
     const double before = g.norm();
+    // The step is halved while the residual grows, down to a thousandth.
     double share = 1.0;
     Eigen::VectorXd next = delta + by;
     g = residual(next);
@@ -204,10 +210,13 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
     curve.push_back(contact.curve.view());
     const double touch_m = nodes[i].indentation.sample.front().penetration_m;
     spot.push_back(contact_spot(model, compliance, nodes[i]));
+    // Share 0 is the first touch, share 1 the largest depth.
     penetration_m[k] = touch_m + depth_share[k] * (nodes[i].path.depth_max_m - touch_m);
     depth_m[k] = contact.depth_m(penetration_m[k]);
     press.alone_n[k] = curve.back().at(depth_m[k]).force_n;
   }
+  // The joint solve is the reference of two predictions by single curves. They couple
+  // by the compliance table, and by compliances between the contacts' pressures.
   press.joint_n =
       joint_forces_n(model, all, compliance.among(all), nodes, penetration_m);
   press.by_table_n = coupled_forces_n(

@@ -16,6 +16,7 @@ namespace {
 constexpr double kNugget = 0.02 * 0.02;
 
 double covariance(double distance) {
+  // Matern, nu = 3/2: (1 + sqrt(3) d) exp(-sqrt(3) d).
   const double r = std::numbers::sqrt3 * distance;
   return (1.0 + r) * reproducible::exp(-r);
 }
@@ -39,6 +40,7 @@ Kriging::Kriging(Eigen::MatrixXd place) : place_(std::move(place)) {
   for (Eigen::Index j = 0; j < n; ++j) {
     inverse_.col(j) = factor.solve(Eigen::VectorXd::Unit(n, j));
   }
+  // s = C^-1 1, and P = C^-1 - s s^T / (1^T C^-1 1).
   sum_ = inverse_.rowwise().sum();
   projected_ = inverse_ - sum_ * (sum_ / sum_.sum()).transpose();
 }
@@ -48,6 +50,9 @@ Kriging::Prediction Kriging::at(const Eigen::VectorXd& place) const {
   for (Eigen::Index i = 0; i < size(); ++i) {
     to[i] = covariance((place_.row(i).transpose() - place).norm());
   }
+  // Weights C^-1 (c + lambda 1) with lambda = (1 - 1^T C^-1 c) / (1^T C^-1 1). Variance
+  // 1 + nugget - c^T C^-1 c + (1 - 1^T C^-1 c)^2 / (1^T C^-1 1) (Cressie 1993, section
+  // 3.2).
   Prediction prediction{.weight = inverse_ * to};
   const double lacking = 1.0 - prediction.weight.sum();  // the mean's share
   // In this order, so that what is not a number stays one.
@@ -58,6 +63,8 @@ Kriging::Prediction Kriging::at(const Eigen::VectorXd& place) const {
 }
 
 Eigen::MatrixXd Kriging::left_out(const Eigen::MatrixXd& value) const {
+  // Value minus prediction by the others: (P z)_i / P_ii, of variance 1 / P_ii (Dubrule
+  // 1983).
   Eigen::MatrixXd off(value.rows(), value.cols());
   for (Eigen::Index m = 0; m < value.cols(); ++m) {
     // By columns: products of matrices are blocked by the processor's caches.

@@ -56,6 +56,7 @@ DeformedBody deformed(const BodyModel& model, const PressedNode& pressed) {
   if (last_pressure_n(pressed).size() == 0) {
     return body;
   }
+  // Linear: u = K^-1 b, b the load of the last pressures.
   if (!pressed.nonlinear) {
     body.penetration_m = pressed.indentation.sample.back().penetration_m;
     body.displacement_m =
@@ -64,6 +65,8 @@ DeformedBody deformed(const BodyModel& model, const PressedNode& pressed) {
   }
   const NonlinearIndentation& result = *pressed.nonlinear;
   body.penetration_m = result.sample.back().penetration_m;
+  // Nonlinear: u = K^-1 s, s the source on near nodes (near_field.h). `place` leads
+  // from a free unknown of K back to 3 node + axis.
   std::vector<Eigen::Index> place(static_cast<std::size_t>(model.supports.free));
   for (std::size_t i = 0; i < model.supports.free_index.size(); ++i) {
     if (model.supports.free_index[i] >= 0) {
@@ -102,6 +105,8 @@ Internal internal_forces(const BodyModel& model, const DeformedBody& body) {
     const Material& law =
         model.material[static_cast<std::size_t>(region_of(model.mesh, t))];
     const bool near = body.near[static_cast<std::size_t>(t)] != 0;
+    // Near tets dW/du, far tets K_e u at rest. Far forces balance about rest positions;
+    // about deformed ones they leave the moment sum u x f.
     const ElementVector f =
         near
             ? element_response(geometry, law, u).force_n
@@ -224,6 +229,9 @@ BalanceChecks check_balance(const Scene& scene, const BodyModel& model,
   const Internal internal = internal_forces(model, body);
   const Eigen::VectorXd spring_n =
       foundation_force_n(scene, model, body.displacement_m);
+  // Forces of the supports on the body, about the vertex: internal forces of held nodes
+  // and -k u of foundations. In equilibrium they equal the force of the body on the
+  // tool.
   Resultant supports;
   for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
     Eigen::Vector3d at =
@@ -240,6 +248,7 @@ BalanceChecks check_balance(const Scene& scene, const BodyModel& model,
   const double force_n = contact.force_n.norm();
   const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
   const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
+  // Moments are measured by the force times the diagonal of the body's box.
   const double moment_nm = force_n * (high - low).norm();
   const Eigen::Vector3d far_nm =
       pressed.nonlinear ? internal.far_moment_nm : Eigen::Vector3d::Zero();

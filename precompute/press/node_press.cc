@@ -54,7 +54,7 @@ Outcome outcome_of(const PressedNode& node) {
   return {.samples = node.indentation.sample.size(),
           .failed = !node.failure.empty(),
           .late = touches_late(node),
-          .hard_path = node.indentation.hard_path,
+          .near_singular = node.indentation.near_singular,
           .between_error = node.indentation.path_error};
 }
 
@@ -152,7 +152,7 @@ SurfaceCompliance compliance_among(const BodyModel& model,
 SurfaceCompliance compliance_of(
     const BodyModel& model, std::span<const PressedNode> nodes,
     std::span<const char> needed,
-    const std::function<void(std::size_t, std::size_t)>& told) {
+    const std::function<void(std::size_t, std::size_t)>& progress) {
   const std::vector<std::int32_t> all = patches_of(nodes);
   return {*model.factor,
           model.supports,
@@ -161,8 +161,8 @@ SurfaceCompliance compliance_of(
           apart_m(model, nodes),
           needed,
           [&](std::size_t done) {
-            if (told) {
-              told(done, all.size());
+            if (progress) {
+              progress(done, all.size());
             }
           }};
 }

@@ -103,11 +103,11 @@ void drop_if_broken(PressedNode& node, const char* stage);
 
 /// Compliance among the patches of the nodes, column by column.
 /// @param wanted by contact node: 1 where its column is needed (empty: all).
-/// @param told progress, called with columns done and in all; may be null.
+/// @param progress called with columns done and in all; may be null.
 [[nodiscard]] SurfaceCompliance compliance_of(
     const BodyModel& model, std::span<const PressedNode> nodes,
     std::span<const char> wanted,
-    const std::function<void(std::size_t done, std::size_t total)>& told);
+    const std::function<void(std::size_t done, std::size_t total)>& progress);
 
 /// Force at which a linear press ends that other presses are made of, over the scene's
 /// largest force [-]. The linear body may be stiffer than the true one, and its force

@@ -97,6 +97,7 @@ Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double mos
       all.largest.push_back(damage.largest);
     }
   }
+  // One value stands for all nodes where no column varies.
   bool same = true;
   for_each_dataset(all, [&](const auto&, const auto&, const auto& values) {
     same = same && all_same(values);
@@ -161,6 +162,8 @@ std::vector<Yielding> node_yielding(const Scene& scene, const BodySource& body) 
     const SceneYielding own =
         t < scene.tool_yielding.size() ? scene.tool_yielding[t] : SceneYielding{};
     require_within(scene, own, fmt::format("[[tool]] {:?}", scene.tool[t].name));
+    // The place of the largest shear, 0.48 contact radii deep (Johnson 1985), rounded
+    // to half a radius. The radius is that at half of the largest depth.
     const double under_m = 0.5 * contact_radius_m(body.tool[t]->shape(), 0.5 * most_m);
     std::vector<SceneYielding> merged;
     for (Eigen::Index v = 0; v < body.normal.rows(); ++v) {
@@ -168,6 +171,7 @@ std::vector<Yielding> node_yielding(const Scene& scene, const BodySource& body) 
           (body.surface.position_m.row(v) - under_m * body.normal.row(v)).transpose();
       const SceneYielding& under =
           own.plastic && own.damage ? own : material_under(scene, body, p_m);
+      // What the tool states replaces what the material under the node has.
       merged.push_back({.plastic = own.plastic ? own.plastic : under.plastic,
                         .damage = own.damage ? own.damage : under.damage});
     }

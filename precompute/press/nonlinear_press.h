@@ -23,9 +23,10 @@ void probe_nonlinearity(const BodyModel& model, PressedNode& node);
 /// Corrects linear presses by the nonlinear body's response at some of their depths.
 /// The correction is the difference of the force vectors, relative to the linear force.
 /// It is interpolated between solved depths and zero at first touch. Every depth is
-/// solved if the mode says so, or where the linear press is no guide (is_guide). Every
-/// depth is also solved where a few solved depths do not predict those between them
-/// (NonlinearOptions::depth_error_max). Nodes go in lock step, blocks of at most 32.
+/// solved if the mode says so, or where the linear press is no valid predictor
+/// (is_predictor). Every depth is also solved where a few solved depths do not predict
+/// those between them (NonlinearOptions::depth_error_max). Nodes go in lock step,
+/// blocks of at most 32.
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                      std::span<PressedNode> nodes, const PressMode& mode);
 

@@ -63,6 +63,7 @@ RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& l
   for (std::size_t k = 1; k < linear.sample.size(); ++k) {
     const double step_m =
         linear.sample[k].penetration_m - linear.sample[k - 1].penetration_m;
+    // Mean force over the path, by the trapezoidal rule.
     mean_n += 0.5 * step_m / past_touch_m *
               (linear.sample[k - 1].force_n + linear.sample[k].force_n);
   }
@@ -122,6 +123,8 @@ RatioModel::RatioModel(const RatioField& field)
     }
   }
   const auto n = static_cast<Eigen::Index>(with_ratio_.size());
+  // A row of values has k logarithms of the force ratio, k turns about each axis of
+  // frame(), and the share of near-singular load paths. k counts the depths.
   value_.resize(n, 4 * depths + 1);
   weight_ = Eigen::MatrixXd::Zero(n, depths);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -149,6 +152,8 @@ RatioModel::RatioModel(const RatioField& field)
   }
   if (n > 1) {
     left_out_ = left_out(*kriging_);
+    // Squares over the variance that kriging expects: their scale is the field's
+    // variance.
     roughness_.each = left_out_.error.array().square() / left_out_.variance.array();
     roughness_.ordinary = ordinary_variance(roughness_.each);
   }
@@ -181,15 +186,16 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
   for (Eigen::Index i = 0; i < off.rows(); ++i) {
     const RatioField::Known& known =
         field_.known()[with_ratio_[static_cast<std::size_t>(i)]];
-    const PathRatio told =
+    const PathRatio predicted =
         ratio_of((value_.leftCols(4 * depths) - off).row(i).transpose(), known.place);
+    // off = ln(true ratio) - ln(predicted ratio): r - 1 = exp(-off) - 1.
     for (Eigen::Index k = 0; k < known.ratio->force.size(); ++k) {
       // |r e' - e|^2 = (r - 1)^2 + r |e' - e|^2, r the predicted force over the true
       // one, e and e' their directions.
       const double off_by = reproducible::expm1(-off(i, k));
       const Eigen::RowVector3d linear =
           known.direction.row(std::min(k, known.direction.rows() - 1));
-      const double turned = ((linear + told.turn.row(k)).normalized() -
+      const double turned = ((linear + predicted.turn.row(k)).normalized() -
                              (linear + known.ratio->turn.row(k)).normalized())
                                 .norm();
       result.error[i] = std::max(
@@ -203,6 +209,9 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
 // Minus the logarithm of the probability that each known ratio has beside the others,
 // whatever the field's spread is, and of the lengths.
 double RatioModel::improbability(const Lengths& lengths) const {
+  // sum_i ln(v_i)/2 + n/2 ln(mean of e_i^2 / v_i), e_i and v_i error and variance of
+  // the left-out ratio i (Sundararajan, Keerthi 2001). The mean is the field's own
+  // variance.
   const LeftOut beside = left_out(kriging(lengths));
   double sum = 0.0;
   double squares = 0.0;
@@ -235,6 +244,7 @@ RatioModel::Lengths RatioModel::best_lengths() const {
     least = score;
     return true;
   };
+  // Descent along the coordinates: at most kSweeps sweeps, or until none moves.
   bool moved = true;
   for (int sweep = 0; sweep < kSweeps && moved; ++sweep) {
     moved = false;
@@ -315,6 +325,7 @@ double RatioModel::error_at(std::int32_t vertex, const Indentation& linear) cons
   }
   const RatioField::Place place = RatioField::place_of(vertex, linear);
   const Around near = around(place);
+  // Kriging's variance times the field's: sqrt is the standard deviation of the error.
   const double variance = kriging_->at(scaled(place, lengths_)).variance *
                           std::max(near.roughness, roughness_.ordinary);
   return std::hypot(kExpectedDeviations * std::sqrt(variance),

@@ -16,7 +16,7 @@ constexpr int kWidenings = 2;
 constexpr double kWiderShare = 0.3;
 
 // All depths of a path that is hard to follow cost as much as many presses. They are
-// solved only where so many times the usual error would be told otherwise.
+// solved only where so many times the usual error would be stated otherwise.
 constexpr double kHardErrorTimes = 2.0;
 
 int count(std::span<const Attempt> tried, Reason reason) {
@@ -43,7 +43,7 @@ std::optional<Attempt> every_depth(std::span<const Attempt> tried,
                                    const PressPolicy& policy) {
   const Attempt& best = tried[last_taken(tried)];
   const double error_max =
-      (best.outcome.hard_path ? kHardErrorTimes : 1.0) * policy.depth_error_max;
+      (best.outcome.near_singular ? kHardErrorTimes : 1.0) * policy.depth_error_max;
   if (best.recipe.depths == SolvedDepths::kEvery ||
       count(tried, Reason::kBetweenDepths) > 0 ||
       !(best.outcome.between_error > error_max)) {
@@ -51,7 +51,7 @@ std::optional<Attempt> every_depth(std::span<const Attempt> tried,
   }
   Attempt every{.recipe = best.recipe, .reason = Reason::kBetweenDepths};
   every.recipe.depths = SolvedDepths::kEvery;
-  every.recipe.stiff = every.recipe.stiff || best.outcome.hard_path;
+  every.recipe.stiff = every.recipe.stiff || best.outcome.near_singular;
   return every;
 }
 

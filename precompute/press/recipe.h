@@ -15,7 +15,7 @@ namespace palpate {
 /// At which samples of a path a nonlinear press is solved; between them the linear one
 /// is corrected by what those around differ by.
 enum class SolvedDepths {
-  kFew,      ///< four, and on a hard path those on the way to the hard ones
+  kFew,      ///< four, and on a near-singular path those on the way to the hard ones
   kBetween,  ///< one before each of those, and the last: tells what correcting makes
   kEvery,
 };
@@ -44,7 +44,7 @@ struct Outcome {
   std::size_t samples = 0;  ///< of the path, first touch among them
   bool failed = false;      ///< the path ends early, or is missing
   bool late = false;        ///< touches_late()
-  bool hard_path = false;
+  bool near_singular = false;
   double between_error = 0.0;        ///< [-] Indentation::path_error
   double far_excess_relative = 0.0;  ///< [-] as NonlinearIndentation's
   double near_gradient = 0.0;        ///< [-] as NonlinearIndentation's

@@ -19,6 +19,7 @@ double slope_between(double w0, double secant0, double w1, double secant1) {
 }  // namespace
 
 RelativeCorrection::RelativeCorrection(double from_m, std::span<const Knot> knots) {
+  // The correction is 0 at the first touch. End slopes are those of the end secants.
   knot_.push_back({from_m, Eigen::Vector3d::Zero()});
   knot_.insert(knot_.end(), knots.begin(), knots.end());
   const std::size_t last = knot_.size() - 1;
@@ -54,6 +55,7 @@ Eigen::Vector3d RelativeCorrection::at(double penetration_m) const {
   const Knot& a = knot_[i];
   const Knot& b = knot_[i + 1];
   const double width = b.penetration_m - a.penetration_m;
+  // Cubic Hermite polynomial: the secant's line, and what the slopes at both ends add.
   const double t = (penetration_m - a.penetration_m) / width;
   const Eigen::Vector3d rise = b.value - a.value;
   return a.value + t * rise +

@@ -43,6 +43,7 @@ ForceRatio ratio_of(const Forces& relaxed_n, const Forces& sudden_n) {
   if (samples < 2 || !(squares > 0.0) || !relaxed.allFinite() || !sudden.allFinite()) {
     return {};
   }
+  // F_s = factor F_0 in least squares: factor = F_s . F_0 / F_0 . F_0.
   ForceRatio ratio{.factor = relaxed.dot(sudden) / squares};
   ratio.rms = (relaxed - ratio.factor * sudden).norm() /
               (std::sqrt(static_cast<double>(samples)) * sudden.maxCoeff());
@@ -79,13 +80,14 @@ std::vector<std::vector<Forces>> presses(
   return force_n;
 }
 
-// Takes the place of nodes that no press tells of. @param row of each vertex; told.
+// Nodes that no press describes take the row of the nearest that one does. @param known
+// whether a press describes each vertex.
 void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> vertices,
-                       const std::vector<bool>& told, Viscoelasticity& shares) {
+                       const std::vector<bool>& known, Viscoelasticity& shares) {
   const float worst =
       *std::max_element(shares.error_relative.begin(), shares.error_relative.end());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (told[i]) {
+    if (known[i]) {
       continue;
     }
     double nearest_m2 = std::numeric_limits<double>::infinity();
@@ -93,7 +95,7 @@ void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> ver
       const double distance_m2 = (body.surface.position_m.row(vertices[i]) -
                                   body.surface.position_m.row(vertices[j]))
                                      .squaredNorm();
-      if (told[j] && distance_m2 < nearest_m2) {
+      if (known[j] && distance_m2 < nearest_m2) {
         nearest_m2 = distance_m2;
         shares.g.row(vertices[i]) = shares.g.row(vertices[j]);
       }
@@ -130,27 +132,29 @@ Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> v
   shares.instantaneous = true;
   shares.g.setZero(nodes, static_cast<Eigen::Index>(tau_s.size()));
   shares.error_relative.assign(static_cast<std::size_t>(nodes), 0.0F);
-  std::vector<bool> told(vertices.size());
+  std::vector<bool> known(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     Eigen::VectorXd share(static_cast<Eigen::Index>(rate_per_s.size()));
     double squares = 0.0;
     for (std::size_t k = 0; k < rate_per_s.size(); ++k) {
+      // Transform of F(t) / F(0) at rate s_k, one number for all depths.
       const ForceRatio ratio = ratio_of(relaxed_n[k][i], sudden_n[i]);
       share[static_cast<Eigen::Index>(k)] = ratio.factor;
       squares += ratio.rms * ratio.rms / static_cast<double>(rate_per_s.size());
     }
-    told[i] = (share.array() > 0.0).all();
-    if (told[i]) {
+    known[i] = (share.array() > 0.0).all();
+    if (known[i]) {
       const FittedShares fit = fit_shares(tau_s, rate_per_s, share);
       shares.g.row(vertices[i]) = fit.g.cast<float>();
+      // Misses of the fit over the rates, and of one number for all depths.
       shares.error_relative[static_cast<std::size_t>(vertices[i])] =
           static_cast<float>(std::sqrt(fit.rms * fit.rms + squares));
     }
   }
-  if (!vertices.empty() && std::find(told.begin(), told.end(), true) == told.end()) {
+  if (!vertices.empty() && std::find(known.begin(), known.end(), true) == known.end()) {
     throw NumericalError("no linear press of the body tells how it relaxes");
   }
-  fill_from_nearest(body, vertices, told, shares);
+  fill_from_nearest(body, vertices, known, shares);
   fill_others(vertices, shares);
   return shares;
 }
@@ -161,6 +165,7 @@ FittedShares fit_shares(const std::vector<double>& tau_s,
                         const std::vector<double>& rate_per_s,
                         const Eigen::VectorXd& share) {
   const auto terms = static_cast<Eigen::Index>(tau_s.size());
+  // A g = 1 - share, A_ik = 1 / (1 + s_i tau_k).
   Eigen::MatrixXd A(share.size(), terms);
   for (Eigen::Index k = 0; k < terms; ++k) {
     for (Eigen::Index i = 0; i < share.size(); ++i) {
@@ -199,6 +204,7 @@ std::vector<Viscoelasticity> relaxation_shares(
   PressStrategy linear = strategy;
   linear.nonlinear = false;
   const std::vector<double> rate_per_s = fitted_rates_per_s(tau_s);
+  // The infinite rate stands for the sudden press: its moduli are not relaxed.
   std::vector<double> all_per_s{std::numeric_limits<double>::infinity()};
   all_per_s.insert(all_per_s.end(), rate_per_s.begin(), rate_per_s.end());
   std::vector<std::vector<std::vector<Forces>>> force_n(vertices.size());

@@ -17,6 +17,8 @@ Eigen::VectorXd error_weights(const Indentation& path) {
   const double largest = path.sample.back().force_n.norm();
   Eigen::VectorXd weight(static_cast<Eigen::Index>(n));
   for (std::size_t k = 1; k <= n; ++k) {
+    // Errors count in full from a share of the last force on, below it in proportion to
+    // the force. At small penetrations they do not count.
     const double share = path.sample[k].force_n.norm() / largest;
     const bool counts =
         path.sample[k].penetration_m >= kErrorCountsFrom * path.sample[n].penetration_m;
@@ -28,7 +30,7 @@ Eigen::VectorXd error_weights(const Indentation& path) {
 
 }  // namespace
 
-bool is_guide(const Indentation& path) {
+bool is_predictor(const Indentation& path) {
   double largest = 0.0;
   for (const IndentationSample& sample : path.sample) {
     largest = std::max(largest, sample.force_n.norm());
@@ -43,15 +45,16 @@ bool is_guide(const Indentation& path) {
 
 std::optional<PathRatio> path_ratio(const Indentation& full,
                                     const Indentation& linear) {
-  if (!is_guide(full) || !is_guide(linear)) {
+  if (!is_predictor(full) || !is_predictor(linear)) {
     return std::nullopt;
   }
   const auto samples = static_cast<Eigen::Index>(linear.sample.size() - 1);
   PathRatio ratio{.force = Eigen::VectorXd(samples),
                   .turn = Eigen::MatrixX3d(samples, 3),
                   .weight = error_weights(linear),
-                  .hard_share = full.hard_path ? 1.0 : 0.0};
+                  .hard_share = full.near_singular ? 1.0 : 0.0};
   for (Eigen::Index i = 0; i < samples; ++i) {
+    // A full path that ends early goes on with its last ratio.
     const std::size_t k =
         std::min(static_cast<std::size_t>(i) + 1, full.sample.size() - 1);
     const Eigen::Vector3d& full_n = full.sample[k].force_n;
@@ -69,11 +72,12 @@ Indentation scaled(const Indentation& linear, const PathRatio& ratio,
                    double force_max_n) {
   Indentation path = linear;
   path.force_capped = false;
-  path.hard_path = ratio.hard_share >= 0.5;
+  path.near_singular = ratio.hard_share >= 0.5;
   for (std::size_t k = 1; k < path.sample.size() && !path.force_capped; ++k) {
     IndentationSample& sample = path.sample[k];
     const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
     const double force_n = sample.force_n.norm() * ratio.force[i];
+    // F = r |F_linear| (u + turn) / |u + turn|, u the linear force's direction.
     sample.force_n =
         force_n *
         (sample.force_n.normalized() + ratio.turn.row(i).transpose()).normalized();

@@ -204,6 +204,8 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
   progress.stage("shared mesh and factor");
   model_.emplace(make_shared_model(scene, body, strategy));
   progress.stage("surface compliance");
+  // Every vertex of every tool is placed, so that the pairs that are kept do not depend
+  // on `pressed`. Columns are solved only for vertices that are pressed.
   std::vector<PressedNode> placed;
   std::vector<char> wanted(model_->contact.node.size(), 0);
   for (const SharedTool& tool : body.tool) {
@@ -249,9 +251,9 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
                    [&](const Group& group) {
                      auto nodes =
                          press_on_own_mesh(scene_, body, tool, group, focus, mode);
-                     const bool good = mode.nonlinear == strategy_.nonlinear &&
-                                       mode.recipe.depths == SolvedDepths::kFew;
-                     if (watch_ && good) {
+                     const bool final_mode = mode.nonlinear == strategy_.nonlinear &&
+                                             mode.recipe.depths == SolvedDepths::kFew;
+                     if (watch_ && final_mode) {
                        watch_(tool, nodes);
                      }
                      return nodes;
@@ -302,6 +304,7 @@ PressedNode SceneSolver::reference(const SharedTool& tool, std::int32_t vertex,
   if (strategy_.cut_out) {
     return on_cut_outs(tool, {&vertex, 1}, kCutStep).front();
   }
+  // A reference solves other depths, with tighter tolerances, on a finer mesh.
   PressMode mode = full_mode(tool);
   mode.recipe = {.times_finer = times_finer, .depths = SolvedDepths::kBetween};
   NonlinearOptions& options = mode.options;

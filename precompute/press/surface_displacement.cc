@@ -66,6 +66,9 @@ Eigen::VectorXd largest_m(const Eigen::MatrixXd& field_m) {
 // Orthonormal modes of fields whose largest displacement is 1. One field more than
 // needed never helps: k modes reproduce k fields.
 Eigen::MatrixXd modes_of(const Eigen::MatrixXd& unit, double error_relative) {
+  // Proper orthogonal decomposition: modes U v_i, v_i the eigenvectors of U^T U by
+  // falling eigenvalue. Each mode is taken of what is left, so that rounding leaves it
+  // orthogonal.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(unit.transpose() * unit);
   Eigen::MatrixXd basis(unit.rows(), unit.cols());
   Eigen::MatrixXd rest = unit;
@@ -106,12 +109,12 @@ PressFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
                       const std::function<PressFields(const Group&)>& fields,
                       Progress& progress) {
   std::vector<PressFields> of_block(block.size());
-  std::mutex told;
+  std::mutex progress_mutex;
   std::size_t done = 0;
   in_parallel(block.size(), [&](std::size_t i) {
     check_interrupted();
     of_block[i] = fields(block[i]);
-    const std::lock_guard lock(told);
+    const std::lock_guard lock(progress_mutex);
     progress.advance(++done, block.size(), "blocks");
   });
   return joined(of_block, vertices);
@@ -277,9 +280,12 @@ PressFields part_fields(const ClampedPart& part, const CoarseBody* rest,
                         std::span<const PressedNode> nodes) {
   const std::vector<const PressedNode*> pressed = drawn(nodes);
   PressFields fields = named_fields(pressed, vertices);
+  // 1. Displacements of the part with its cut clamped.
   Eigen::MatrixXd X = displaced_m(part.model, pressed);
   if (rest != nullptr && !part.cut.empty() && !pressed.empty()) {
     Eigen::MatrixXd pressure_n;
+    // 2. The coarse body moves under the same pressures. Its motion at the cut carries
+    //    the part along; vertices outside the part take it as it is.
     const std::vector<std::int32_t> touched = pressures_of(pressed, pressure_n);
     const Eigen::MatrixXd moved_m = rest->displaced_m(part, touched, pressure_n);
     X += rest->carried_m(part, moved_m);
@@ -288,6 +294,7 @@ PressFields part_fields(const ClampedPart& part, const CoarseBody* rest,
           rest->at_m(place[static_cast<std::size_t>(v)], moved_m);
     }
   }
+  // 3. Vertices of the part, except those on the cut, take the sum of both.
   for (std::size_t i = 0; i < part.corner.size(); ++i) {
     const auto node = static_cast<std::int32_t>(i);
     if (part.corner[i] < vertices &&
@@ -304,6 +311,8 @@ DisplacementField compress_fields(const PressFields& fields, double error_relati
     return stored;
   }
   const Eigen::MatrixXd& field_m = fields.field_m;
+  // Every field is scaled to a largest displacement of 1, so that modes serve small
+  // fields as well as large ones. Coefficients u^T B are of the unscaled fields [m].
   const Eigen::VectorXd scale_m = largest_m(field_m);
   const Eigen::MatrixXd unit = field_m * scale_m.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd basis = modes_of(unit, error_relative);
@@ -338,6 +347,7 @@ void add_surface_fields(const Scene& scene, const BodySource& body,
     const SharedTool& tool = body.tool[t];
     const std::vector<std::int32_t> solved = solved_nodes(database.tools[t]);
     require_few_fields(vertices, solved.size());
+    // Parts of a cut-out, or blocks of presses on the shared mesh.
     const PressFields fields =
         strategy.cut_out
             ? fields_of_parts(scene, *solver.cut_out(), body, tool, solved, progress)

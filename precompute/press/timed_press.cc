@@ -114,6 +114,7 @@ std::vector<PricedPresses> press_on_own_meshes(const Scene& scene,
       std::vector<PressedNode> nodes = placed;
       watch.lap_s();
       press(scene, model, compliance, tool, mode, nodes, some.depths);
+      // Means: of a model by groups, of compliance and presses by nodes [s].
       some.price.per_group_s += group_s / static_cast<double>(groups.size());
       some.price.per_node_s +=
           (compliance_s + watch.lap_s()) / static_cast<double>(vertices.size());

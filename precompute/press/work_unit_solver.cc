@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "precompute/contact/indentation_response.h"
-#include "precompute/press/territory.h"
+#include "precompute/press/cluster.h"
 
 namespace palpate {
 namespace {
@@ -32,7 +32,7 @@ bool is_small(std::size_t vertices, double force_relative) {
   return vertices <= (force_relative < kTightBudget ? 76 : 52);
 }
 
-std::size_t territory_size(std::size_t vertices) {
+std::size_t cluster_size(std::size_t vertices) {
   return std::clamp<std::size_t>((vertices + 3) / 4, 128, 512);
 }
 
@@ -173,7 +173,7 @@ std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
                                std::span<const std::int32_t> vertices) {
   std::vector<WorkUnit> units;
   for (auto& group :
-       in_neighbourhoods(body.surface, vertices, territory_size(vertices.size()))) {
+       in_neighbourhoods(body.surface, vertices, cluster_size(vertices.size()))) {
     units.push_back({static_cast<std::int64_t>(units.size()), false, std::move(group)});
   }
   for (WorkUnit& check : checks_of(scene, body, vertices)) {
@@ -207,23 +207,23 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
   }
   WorkUnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
-    Territory territory(scene, body, solver, body.tool[t], unit.vertex);
+    Cluster cluster(scene, body, solver, body.tool[t], unit.vertex);
     const bool own_meshes = !strategy.shared_mesh && !strategy.cut_out;
     if (strategy.linear_is_full) {
-      territory.solve_linear();
-      territory.keep_linear_within_budget(strategy.graded);
+      cluster.solve_linear();
+      cluster.keep_linear_within_budget(strategy.graded);
     } else if (solve_all) {
       if (!own_meshes) {  // else linear ones cost about as much
-        territory.solve_linear();
+        cluster.solve_linear();
       }
-      territory.solve_all();
+      cluster.solve_all();
     } else if (own_meshes && is_small(unit.vertex.size(), scene.force_relative)) {
-      territory.solve_few_first();
+      cluster.solve_few_first();
     } else {
-      territory.solve_linear();
-      territory.solve_within_budget();
+      cluster.solve_linear();
+      cluster.solve_within_budget();
     }
-    territory.answer(static_cast<std::int32_t>(t), outcome.node);
+    cluster.answer(static_cast<std::int32_t>(t), outcome.node);
   }
   return outcome;
 }

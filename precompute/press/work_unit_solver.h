@@ -30,7 +30,7 @@ inline constexpr double kNonlinearCheckTimesFiner = 1.5;
 /// more.
 [[nodiscard]] std::size_t expected_samples(std::size_t vertices, double force_relative);
 
-/// Either a territory: neighbouring vertices that are answered together, some solved,
+/// Either a cluster: neighbouring vertices that are answered together, some solved,
 /// some interpolated from those. Or a check: one place of the surface, solved better.
 struct WorkUnit {
   std::int64_t index = -1;
@@ -52,7 +52,8 @@ struct WorkUnit {
 /// Solves a unit for every tool. Nodes are solved fully until kriging of the ratio of
 /// full and linear solutions is expected to keep the budget. It must keep the budget at
 /// 95 % of all nodes (keeps_budget()); the rest is linear times ratio. A vertex whose
-/// linear press is no guide (is_guide), or touches late (touches_late), is solved.
+/// linear press is no valid predictor (is_predictor), or touches late (touches_late),
+/// is solved.
 ///
 /// Every node of the outcome keeps the rules of responses (broken_rule), or has failed
 /// and says why. A failed node leaves the others as they are, but for those that would

@@ -12,7 +12,7 @@ enum class FaultPlace {
   kWorker,         ///< before a node is pressed; no numbers
   kPress,          ///< forces of a linear press [N], a sample's three at a time
   kCorrection,     ///< forces of a nonlinear press [N], likewise
-  kRatio,          ///< of good and cheap forces along a path [-]
+  kRatio,          ///< of full and linear forces along a path [-]
   kInterpolation,  ///< forces of an interpolated response [N]
 };
 

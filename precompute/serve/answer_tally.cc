@@ -14,15 +14,18 @@ void AnswerTally::take(const ServedResponses& responses) {
   for (const WorkUnitNode& node : responses.node) {
     char& best = best_[static_cast<std::size_t>(node.tool * vertices_ + node.vertex)];
     best =
-        std::max(best, responses.quality == AnswerQuality::kGood ? char{2} : char{1});
+        std::max(best, responses.quality == AnswerQuality::kFinal ? char{2} : char{1});
   }
 }
 
 ServedProgress AnswerTally::progress(const std::string& stage) const {
   const std::lock_guard lock(mutex_);
-  const auto good = std::count(best_.begin(), best_.end(), char{2});
-  const auto cheap = std::count(best_.begin(), best_.end(), char{1});
-  return {.stage = stage, .nodes = nodes_, .cheap = cheap + good, .good = good};
+  const auto finished = std::count(best_.begin(), best_.end(), char{2});
+  const auto preliminary = std::count(best_.begin(), best_.end(), char{1});
+  return {.stage = stage,
+          .nodes = nodes_,
+          .answered = preliminary + finished,
+          .finished = finished};
 }
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ class AnswerTally {
  private:
   mutable std::mutex mutex_;
   std::int64_t vertices_;
-  std::vector<char> best_;  // (tools x vertices) 0 none, 1 cheap, 2 good
+  std::vector<char> best_;  // (tools x vertices) 0 none, 1 preliminary, 2 final
   std::int64_t nodes_;
 };
 

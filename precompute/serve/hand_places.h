@@ -15,7 +15,7 @@ namespace palpate {
 inline constexpr double kLookAheadS = 1.0;
 /// [-] What a length of the way ahead counts against the same length aside or behind.
 inline constexpr double kAheadCounts = 0.2;
-/// [m/s] A hand that is slower rests: it waits for good answers where it is.
+/// [m/s] A hand that is slower rests: it waits for final answers where it is.
 inline constexpr double kRestingMPerS = 0.01;
 
 /// How little a point matters to a hand that keeps its velocity [m]. Each place on the

@@ -11,7 +11,8 @@
 namespace palpate {
 namespace {
 
-constexpr PressMode kCheap{.recipe = {.times_finer = 1.0 / kPreliminaryTimesCoarser}};
+constexpr PressMode kPreliminaryMode{
+    .recipe = {.times_finer = 1.0 / kPreliminaryTimesCoarser}};
 
 }  // namespace
 
@@ -21,7 +22,8 @@ std::vector<PreliminaryGroup> preliminary_groups(const Scene& scene,
     return {};
   }
   return group_presses(job.body.surface, job.reachable,
-                       finer(job.strategy.focus, kCheap.recipe.times_finer), false);
+                       finer(job.strategy.focus, kPreliminaryMode.recipe.times_finer),
+                       false);
 }
 
 WorkUnitNode answer_of(const Scene& scene, const BuildJob& job, const SharedTool& tool,
@@ -42,8 +44,9 @@ std::vector<WorkUnitNode> preliminary_answers(const Scene& scene, const BuildJob
   for (const SharedTool& tool : job.body.tool) {
     try {
       (void)failure_of("a linear press", [&] {
-        for (const PressedNode& node : press_on_own_mesh(
-                 scene, job.body, tool, vertices, job.strategy.focus, kCheap)) {
+        for (const PressedNode& node :
+             press_on_own_mesh(scene, job.body, tool, vertices, job.strategy.focus,
+                               kPreliminaryMode)) {
           answers.push_back(answer_of(scene, job, tool, node));
           double& error = answers.back().response.error_relative;
           error = job.strategy.nonlinear ? 1.0 : kPreliminaryErrorFactor * error;

@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Elements over the contact are so many times larger than those of good answers.
+/// Elements over the contact are so many times larger than those of final answers.
 inline constexpr double kPreliminaryTimesCoarser = 2.0;
 
 /// Factor on the estimates of preliminary answers, chosen on a human liver. With it the
@@ -20,12 +20,12 @@ inline constexpr double kPreliminaryTimesCoarser = 2.0;
 inline constexpr double kPreliminaryErrorFactor = 3.0;
 
 /// Neighbours that share a mesh, together all reachable vertices; none where parts are
-/// cut out ([cutout]): its good answers are as quick.
+/// cut out ([cutout]): its final answers are as quick.
 [[nodiscard]] std::vector<PreliminaryGroup> preliminary_groups(const Scene& scene,
                                                                const BuildJob& job);
 
 /// Linear presses of all tools at the vertices, on one mesh made for them. Responses'
-/// error_relative is kPreliminaryErrorFactor times their estimate, or 1 where good
+/// error_relative is kPreliminaryErrorFactor times their estimate, or 1 where final
 /// answers are nonlinear: how far a linear press is from those is not known. A vertex
 /// that fails has no response.
 [[nodiscard]] std::vector<WorkUnitNode> preliminary_answers(

@@ -149,7 +149,7 @@ class Service {
         },
         expected);
     if (work.group) {
-      say_cheap(*work.group);
+      publish_preliminary(*work.group);
     } else if (work.unit) {
       solve(*work.unit);
     } else {
@@ -157,8 +157,8 @@ class Service {
     }
   }
 
-  void say_cheap(std::size_t group) {
-    publish({.quality = AnswerQuality::kCheap,
+  void publish_preliminary(std::size_t group) {
+    publish({.quality = AnswerQuality::kPreliminary,
              .node = preliminary_answers(scene_, job_, board_.group(group))},
             "preliminary answers");
     board_.finish_group(group);
@@ -212,7 +212,8 @@ class Service {
     claims_.give_back(job_.units[i].index);
     board_.finish_unit(i);
     if (!outcome.is_check) {
-      publish({.quality = AnswerQuality::kGood, .node = outcome.node}, "good answers");
+      publish({.quality = AnswerQuality::kFinal, .node = outcome.node},
+              "final answers");
     } else {
       say("checks");
     }
@@ -248,7 +249,7 @@ class Service {
 
   // Full presses of a unit that is still under way.
   void say_early(const SharedTool& tool, std::span<const PressedNode> nodes) {
-    ServedResponses responses{.quality = AnswerQuality::kGood, .node = {}};
+    ServedResponses responses{.quality = AnswerQuality::kFinal, .node = {}};
     for (const PressedNode& node : nodes) {
       WorkUnitNode answer = answer_of(scene_, job_, tool, node);
       if (has_curve(answer)) {
@@ -256,7 +257,7 @@ class Service {
       }
     }
     if (!responses.node.empty()) {
-      publish(responses, "good answers");
+      publish(responses, "final answers");
     }
   }
 

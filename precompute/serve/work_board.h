@@ -33,9 +33,9 @@ class WorkBoard {
 
   /// While a hand moves, all workers give preliminary answers, along its way first; a
   /// unit keeps a worker for long. Where all hands rest, and what is around them is
-  /// answered cheaply, one worker goes on with that and others take units, the nearest
-  /// first. Without hands, and once no groups are left, units alone are taken. Checks
-  /// come last.
+  /// answered preliminarily, one worker goes on with that and others take units, the
+  /// nearest first. Without hands, and once no groups are left, units alone are taken.
+  /// Checks come last.
   /// @param may_take whether this process may compute the unit; asked in the order of
   /// need, for units that nobody works on. @returns neither if there is nothing to
   /// take.

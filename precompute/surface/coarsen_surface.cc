@@ -61,6 +61,7 @@ class Placement {
   template <typename Profile>
   [[nodiscard]] bool fits(const Profile& profile, const Eigen::Vector3d& p,
                           int part) const {
+    // No new edge is longer than wanted, and none joins two parts.
     const double longest = (*wanted_)(p);
     const auto& mesh = profile.surface_mesh();
     for (const auto v : profile.link()) {
@@ -69,6 +70,7 @@ class Placement {
         return false;
       }
     }
+    // No triangle that stays turns by more than 25 degrees. Two with both ends vanish.
     for (const auto& triangle : profile.triangles()) {
       const auto at = [&](auto v) {
         return v == profile.v0() || v == profile.v1() ? p : vector_of(mesh.point(v));

@@ -92,6 +92,8 @@ ContactSpheres with_radius(const SurfaceSamples& samples,
     nearest_m =
         nearest_m.cwiseMin((samples.position_m.rowwise() - centre).rowwise().norm());
   }
+  // Each sphere touches the surface from inside at its place; off is how far the
+  // union's surface is from the samples.
   const Eigen::ArrayXd off_m = (nearest_m.array() - radius_m).abs();
   spheres.largest_error_m = off_m.maxCoeff();
   spheres.rms_error_m = std::sqrt(off_m.square().mean());
@@ -112,6 +114,7 @@ ContactSpheres contact_spheres(const SurfaceMesh& tool, std::size_t count,
                             .maxCoeff();
   ContactSpheres best;
   for (int i = 0; i < kRadii; ++i) {
+    // Radii of equal ratios from 1 % to 50 % of the tool's size.
     const double tried_m =
         0.01 * size_m * reproducible::pow(50.0, static_cast<double>(i) / (kRadii - 1));
     const ContactSpheres spheres = with_radius(samples, places, tried_m);

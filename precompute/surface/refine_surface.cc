@@ -37,6 +37,10 @@ class Refinement {
 
   // One pass over all triangles; false if no edge was too long.
   bool pass() {
+    // 1. Marks edges that are too long.
+    // 2. Marks the longest edge of each triangle that has a marked one, until none is
+    //    left.
+    // 3. Cuts triangles, the longest edge first.
     middle_.clear();
     for (const Corners& t : triangle_) {
       for (std::size_t j = 0; j < 3; ++j) {

@@ -38,6 +38,8 @@ SignedDistance::Place SignedDistance::at_m(const Eigen::Vector3d& p_m) const {
     zero += is_zero ? 1 : 0;
     (is_zero ? last_zero : last_one) = j;
   }
+  // The sign is that of the angle-weighted pseudonormal (Baerentzen, Aanaes 2005): of
+  // the vertex, of both faces of an edge, or of the face.
   if (zero == 2) {
     normal = normal_.row(surface_.triangle(nearest.triangle, last_one)).transpose();
   } else if (zero == 1) {

@@ -175,6 +175,7 @@ std::vector<std::size_t> find_nesting(const SurfaceMesh& mesh, SurfaceReport& re
   constexpr std::size_t kMany = 16;
   std::vector<SurfacePart>& parts = report.part;
   const bool many = parts.size() > kMany && report.degenerate_triangles.count == 0;
+  // Parts do not cross: one corner says whether the whole part lies inside.
   std::vector<std::vector<std::size_t>> around(parts.size());
   for (std::size_t outer = 0; outer < parts.size() && parts.size() > 1; ++outer) {
     Inside inside(mesh, parts[outer], many);
@@ -188,6 +189,7 @@ std::vector<std::size_t> find_nesting(const SurfaceMesh& mesh, SurfaceReport& re
   }
   std::vector<std::size_t> outermost;
   for (std::size_t inner = 0; inner < parts.size(); ++inner) {
+    // The outermost part around is the one that lies in no other.
     const auto at = std::find_if(around[inner].begin(), around[inner].end(),
                                  [&](std::size_t outer) {
                                    return around[outer].empty();

@@ -37,6 +37,8 @@ struct BorderCut {
 
 std::optional<BorderCut> next_cut(const SurfaceMesh& mesh) {
   const Triangles neighbour = triangle_neighbours(mesh.triangle);
+  // Vertices of edges that have one triangle only. All pairs of them and border edges
+  // are tried, so that a mesh with a long border is left alone.
   std::vector<std::int32_t> border;
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
     for (int j = 0; j < 3; ++j) {
@@ -76,6 +78,7 @@ SurfaceMesh cut_at_t_junctions(const SurfaceMesh& mesh, std::size_t& cuts) {
     if (!cut) {
       break;
     }
+    // The triangle becomes two: each takes one half of the cut edge.
     const Eigen::Index added = result.triangle.rows();
     result.triangle.conservativeResize(added + 1, 3);
     result.triangle.row(added) = result.triangle.row(cut->triangle);

@@ -21,6 +21,8 @@ double winding_number(const SurfaceMesh& mesh, const Eigen::Vector3d& point_m) {
     const double la = a.norm();
     const double lb = b.norm();
     const double lc = c.norm();
+    // Solid angle (van Oosterom, Strackee 1983): tan(angle / 2) = a . (b x c) over
+    // |a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|.
     angle +=
         2.0 * reproducible::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc +
                                                          b.dot(c) * la + c.dot(a) * lb);
@@ -53,6 +55,7 @@ double share_outside(const SurfaceMesh& mesh, const SurfaceMesh& of) {
   int inside = 0;
   int lost = 0;
   for (int i = 1; i <= kTried && inside < kWanted; ++i) {
+    // Halton's points in the box, until enough lie in the mesh.
     const Eigen::Vector3d unit(radical_inverse(2, i), radical_inverse(3, i),
                                radical_inverse(5, i));
     const Eigen::Vector3d p = box.min() + unit.cwiseProduct(box.sizes());

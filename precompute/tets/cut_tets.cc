@@ -57,10 +57,12 @@ Eigen::Vector3d CutTets::vertex_m(std::int32_t v) const {
 
 void CutTets::find_crossings(const In& in_part) {
   constexpr int kHalvings = 30;
+  // 1. The side of each vertex: 1 in the part, -1 outside.
   side_.clear();
   for (std::int32_t v = 0; v < mesh_.position_m.rows(); ++v) {
     side_.push_back(in_part(vertex_m(v)) ? 1 : -1);
   }
+  // 2. Edges whose ends differ, each once.
   std::vector<std::pair<std::int32_t, std::int32_t>> edges;
   for (Eigen::Index t = 0; t < mesh_.tet.rows(); ++t) {
     for (const auto& [i, j] : kEdgeOfTet) {
@@ -73,6 +75,8 @@ void CutTets::find_crossings(const In& in_part) {
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  // 3. Where the wall crosses each, by bisection to 2^-31 of the edge. An edge that the
+  //    wall crosses several times has one of the crossings.
   crossing_.clear();
   for (const auto& [a, b] : edges) {
     double low = 0.0;
@@ -103,6 +107,7 @@ void CutTets::move_onto_wall() {
     double share = std::numeric_limits<double>::infinity();
     Eigen::Vector3d wall_m = Eigen::Vector3d::Zero();
   };
+  // The crossing nearest to each vertex, in shares of its edge.
   std::vector<Nearest> nearest(side_.size());
   for (const Crossing& one : crossing_) {
     const Eigen::Vector3d wall_m =
@@ -121,6 +126,9 @@ void CutTets::move_onto_wall() {
     }
   }
   for (std::int32_t v = 0; v < std::ssize(side_); ++v) {
+    // A vertex close to the wall moves onto the wall, unless a tet would become too
+    // flat: thin slivers are not cut off. One that may not move counts as on the wall
+    // if very close.
     const Nearest& to = nearest[at(v)];
     if (!fixed_[at(v)] && to.share < kMoved && may_move(v, to.wall_m)) {
       mesh_.position_m.row(v) = to.wall_m.transpose();
@@ -197,6 +205,7 @@ CutTets::Loop CutTets::wall_in(const std::int32_t* corner) const {
 }
 
 std::vector<FourCorners> CutTets::piece_of(const std::int32_t* corner, int side) const {
+  // The piece is a convex polyhedron: the wall, and what of each face is on the side.
   std::vector<Loop> faces{wall_in(corner)};
   for (const auto& [a, b, c] : kFaceOfTet) {
     Loop face = part_of(corner[a], corner[b], corner[c], side);
@@ -204,6 +213,8 @@ std::vector<FourCorners> CutTets::piece_of(const std::int32_t* corner, int side)
       faces.push_back(std::move(face));
     }
   }
+  // Its tets are pyramids over the triangles of faces without the apex. The apex and
+  // fans begin at the lowest number, so that neighbours cut their common face alike.
   std::int32_t apex = std::numeric_limits<std::int32_t>::max();
   for (const Loop& face : faces) {
     apex = std::min(apex, *std::min_element(face.begin(), face.end()));
@@ -271,6 +282,7 @@ void CutTets::cut_surface() {
       triangles.push_back({corner[0], corner[1], corner[2]});
       continue;
     }
+    // Fans as in piece_of(), so that the triangles stay faces of the tets.
     for (const int side : {1, -1}) {
       for (const auto& one : fan(part_of(corner[0], corner[1], corner[2], side))) {
         triangles.push_back(one);
@@ -296,6 +308,7 @@ void CutTets::along(const In& in_part, std::int32_t region,
 FilledBody CutTets::take() {
   const auto vertices = static_cast<std::int32_t>(mesh_.position_m.rows());
   const auto old = static_cast<std::int32_t>(mesh_.surface_vertices);
+  // Surface vertices come first: those from before keep their order, new ones follow.
   std::vector<bool> on_surface(at(vertices), false);
   std::fill_n(on_surface.begin(), old, true);
   for (const std::int32_t v : surface_.reshaped()) {

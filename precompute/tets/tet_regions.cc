@@ -146,6 +146,8 @@ TetRegions tet_regions(const Tets& tet, std::span<const Triangles> inner) {
   if (wall.empty()) {
     return {.region = std::vector<std::int32_t>(tets, 0), .around = {}};
   }
+  // Faces of tets and of walls are sorted alike and walked together. A face of two tets
+  // joins their sets, unless a wall lies on it.
   const std::vector<Face> faces = tet_faces(tet);
   Sets sets(tets, inner);
   auto next_wall = wall.begin();
@@ -190,6 +192,7 @@ Triangles sorted_faces(const Triangles& triangle) {
 
 void remove_regions(std::span<const bool> hollow, Eigen::Index kept_vertices,
                     TetMesh& mesh) {
+  // Tets of hollow regions go; so do vertices that no tet uses, but for the first ones.
   Eigen::Index tets = 0;
   std::vector<bool> used(static_cast<std::size_t>(mesh.position_m.rows()), false);
   std::fill_n(used.begin(), kept_vertices, true);

@@ -146,6 +146,8 @@ std::vector<char> tetgen_input(const SurfaceMesh& surface, const TetOptions& opt
 }
 
 std::vector<char> tetgen_run(std::span<const char> input) {
+  // Runs in a child process: TetGen may crash or exit. Input and output are plain
+  // bytes.
   Task task;
   take_bytes(input, &task, 1);
   SurfaceMesh surface;

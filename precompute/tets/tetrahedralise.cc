@@ -138,7 +138,7 @@ double under(const Points& position_m, const Triangles& triangle, Eigen::Index t
   return a.dot(b.cross(c));
 }
 
-// Islands are the body's, once their walls have told them from the cavities.
+// Islands are the body's, once their walls have parted them from the cavities.
 void join_islands(const Walls& walls, TetMesh& mesh) {
   const auto first = static_cast<std::int32_t>(walls.inner.size() - walls.islands) + 1;
   std::replace_if(
@@ -232,12 +232,15 @@ TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
     }
     throw NumericalError(failed);
   }
+  // Points that were moved for the mesher go back to where they are.
   TetMesh mesh = tetgen_unpack(result.bytes, options, scale);
   mesh.surface_vertices = surface.position_m.rows();
   if (how.moved > 0.0 && mesh.position_m.rows() >= walls.all.position_m.rows()) {
     mesh.position_m.topRows(walls.all.position_m.rows()) = walls.all.position_m;
   }
   check_vertices(walls.all, mesh);
+  // Checks go from what the mesher kept (vertices) to what it filled (volume of
+  // regions). The boundary is checked when cavities have been taken out.
   TetRegions regions = tet_regions(mesh.tet, walls.inner);
   mesh.region = std::move(regions.region);
   check_volumes(surface, walls, regions.around, mesh);

@@ -90,7 +90,7 @@ std::vector<BodyContact> HeldRenderer::contacts() const {
 
 GrownQuality HeldRenderer::answer() const {
   const GrowingElements* grown = body_->grown(*tool_);
-  return grown == nullptr ? GrownQuality::kGood : grown->here();
+  return grown == nullptr ? GrownQuality::kFinal : grown->here();
 }
 
 void HeldRenderer::delivered(const PortWrenches& made) {

@@ -83,7 +83,7 @@ class HeldRenderer {
   [[nodiscard]] const HostTick& latest() const noexcept { return latest_; }
   [[nodiscard]] const HostBody& body() const noexcept { return *body_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
-  /// What the place that was stepped to last answers with; of a database good.
+  /// What the place that was stepped to last answers with; of a database final.
   [[nodiscard]] GrownQuality answer() const;
 
  private:

@@ -111,22 +111,22 @@ py::dict parts_of(const ReadPress& press) {
   return parts;
 }
 
-std::optional<MeasurementColumn> time_column(const MeasurementColumn& told) {
-  if (told.column.empty()) {
-    if (!told.unit.empty()) {
+std::optional<MeasurementColumn> time_column(const MeasurementColumn& given) {
+  if (given.column.empty()) {
+    if (!given.unit.empty()) {
       throw InputError("time_unit goes with time_column");
     }
     return std::nullopt;
   }
-  return MeasurementColumn{told.column,
-                           told.unit.empty() ? kUnitFromHeader : told.unit};
+  return MeasurementColumn{given.column,
+                           given.unit.empty() ? kUnitFromHeader : given.unit};
 }
 
 py::tuple load(const std::filesystem::path& file, MeasurementColumn depth,
                MeasurementColumn force, const MeasurementColumn& time, bool with_time,
                bool ignore_header_units) {
   InstrumentRequest request;
-  request.told = {std::move(depth), std::move(force), time_column(time)};
+  request.given = {std::move(depth), std::move(force), time_column(time)};
   request.header_units =
       ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
   request.with_time = with_time;
@@ -163,8 +163,8 @@ void bind_measurement(py::module_& module) {
       "_load",
       [](const std::filesystem::path& file, const Column& depth, const Column& force,
          const Column& time, bool with_time, bool ignore_header_units) {
-        const auto column = [](const Column& told) {
-          return MeasurementColumn{told.first, told.second};
+        const auto column = [](const Column& given) {
+          return MeasurementColumn{given.first, given.second};
         };
         return load(file, column(depth), column(force), column(time), with_time,
                     ignore_header_units);

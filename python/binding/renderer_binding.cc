@@ -185,7 +185,7 @@ using Type = py::class_<HeldRenderer>;
 
 // What Python sees of a number of the latest tick.
 template <typename T>
-auto told(const T& value) {
+auto as_python(const T& value) {
   if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
     return vector_array(value);
   } else {
@@ -199,7 +199,7 @@ void tell(Type& type, const char* name, T HostTick::*member, const char* text) {
   type.def_property_readonly(
       name,
       [member](const HeldRenderer& renderer) {
-        return told(renderer.latest().*member);
+        return as_python(renderer.latest().*member);
       },
       text);
 }
@@ -210,7 +210,7 @@ void tell(Type& type, const char* name, Part HostTick::*part, T Base::*member,
   type.def_property_readonly(
       name,
       [part, member](const HeldRenderer& renderer) {
-        return told(renderer.latest().*part.*member);
+        return as_python(renderer.latest().*part.*member);
       },
       text);
 }
@@ -277,7 +277,7 @@ void bind_state(Type& type) {
       "'none', 'not-finite', 'time-step', 'energy' or 'slow-stalled'");
   tell(type, "relaxed_n", &HostTick::command, &TickAccount::carried_n,
        "[N] >= 0 what has relaxed of the normal force");
-  tell(type, "relaxed_shift_m", &HostTick::command, &TickAccount::relaxed_shift_m,
+  tell(type, "rest_offset_m", &HostTick::command, &TickAccount::rest_offset_m,
        "[m] >= 0 that the energy account had to take");
   tell(type, "ticks", &HostTick::ticks, "since the start or reset()");
 }

@@ -23,8 +23,8 @@ py::object service_of(const HeldRenderer& renderer) {
   all["state"] = std::string(palpate::name(status.state));
   all["detail"] = status.detail;
   all["nodes"] = status.progress.nodes;
-  all["cheap"] = status.progress.cheap;
-  all["good"] = status.progress.good;
+  all["answered"] = status.progress.answered;
+  all["finished"] = status.progress.finished;
   all["softened"] = renderer.body().softened();
   return all;
 }
@@ -53,11 +53,13 @@ void bind_service(py::class_<HeldRenderer>& type) {
       [](const HeldRenderer& renderer) {
         return std::string(palpate::name(renderer.answer()));
       },
-      "'none', 'estimated', 'cheap' or 'good': of a scene, how the place answers by "
+      "'none', 'estimated', 'preliminary' or 'final': of a scene, how the place "
+      "answers by "
       "now");
-  type.def_property_readonly("service", &service_of,
-                             "of a scene: state, detail, nodes, cheap, good, softened; "
-                             "of a database None");
+  type.def_property_readonly(
+      "service", &service_of,
+      "of a scene: state, detail, nodes, answered, finished, softened; "
+      "of a database None");
 }
 
 }  // namespace palpate

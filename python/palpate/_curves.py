@@ -44,7 +44,7 @@ def load(file, *, depth_column="", depth_unit="", force_column="", force_unit=""
     """All presses of a file, as a list of Curve, in SI units.
 
     What testing machines and instruments write is recognised by what it holds: text, workbooks (xlsx), Mach-1,
-    Optics11, JPK, afmformats. Columns and units are those that the file tells, unless they are told here. Presses
+    Optics11, JPK, afmformats. Columns and units are those that the file tells, unless they are given here. Presses
     that follow one another in one table are parted. A press that cannot be read is left out with a warning, unless
     it is the only one. time=False: leave the times out, where the file has any.
 
@@ -97,8 +97,8 @@ def fit(curve, *, tool="", drift=True, frame_run=None, **options):
     """
     metadata = curve.metadata if isinstance(curve, Curve) else {}
     stated = metadata.get("tip_radius_m")
-    told = any(options.get(name) is not None for name in ("radius_m", "half_angle_deg", "height_m"))
-    if stated is not None and not told and tool in ("", "sphere"):
+    given = any(options.get(name) is not None for name in ("radius_m", "half_angle_deg", "height_m"))
+    if stated is not None and not given and tool in ("", "sphere"):
         tool, options["radius_m"] = "sphere", stated
     run = None if frame_run is None else _samples(frame_run, drift)
     return _palpate._fit(_samples(curve), drift, run, tool=tool, **options)

@@ -109,7 +109,7 @@ def _surface(command, mesh, options):
         write_obj(file, *mesh)
         try:
             report = must_run(_TOOL, [command, file, "--length-unit", "m", "-o", made, *options])
-        except _palpate.Error as error:  # told of files and flags that the caller never saw
+        except _palpate.Error as error:  # names files and flags that the caller never saw
             said = str(error).replace(f"{file}: ", "").split(": palpate-precompute ")[0].replace("--repair=", "mode ")
             raise type(error)(said) from None
         vertices, triangles = _palpate.read_mesh(made, "m")

@@ -23,16 +23,16 @@ def find_tool(name):
     """The path of a tool: in the folder PALPATE_TOOLS, beside the package, on the PATH. ToolsMissing says where it looked."""
     package = pathlib.Path(__file__).resolve().parent
     folders = [package / "bin", package.parent.parent / "bin"]  # of a wheel; of a build folder
-    told = os.environ.get("PALPATE_TOOLS")
-    if told:
-        folders = [pathlib.Path(told)]  # whoever tells means it
+    given = os.environ.get("PALPATE_TOOLS")
+    if given:
+        folders = [pathlib.Path(given)]  # the variable is meant
     for folder in folders:
         if os.access(folder / name, os.X_OK) and (folder / name).is_file():
             return str(folder / name)
-    found = None if told else shutil.which(name)
+    found = None if given else shutil.which(name)
     if found:
         return found
-    looked = f"PALPATE_TOOLS={told}" if told else f"{folders[0]}, {folders[1]}, PATH (PALPATE_TOOLS is not set)"
+    looked = f"PALPATE_TOOLS={given}" if given else f"{folders[0]}, {folders[1]}, PATH (PALPATE_TOOLS is not set)"
     raise ToolsMissing(f"{name} is not there: looked in {looked}; install Debian package palpate, or set PALPATE_TOOLS "
                        "to the folder of the tools")
 

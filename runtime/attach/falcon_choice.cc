@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-// Which image it is: the vendor's cannot be told from others otherwise.
+// Which image it is: the vendor's cannot be distinguished from others otherwise.
 void tell_of_firmware(const DeviceRequest& request,
                       const std::vector<std::uint8_t>& image) {
   if (request.tell) {

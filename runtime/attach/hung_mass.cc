@@ -99,6 +99,8 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
     Eigen::Vector3d position_m;
     const LinkStatus status = link.transact(force_n, position_m);
     const double then_s = seconds_in(clock.now_ns() - begin_ns);
+    // Impulse of the force that was held from now_s to then_s [N s], to the period of
+    // the sweep in which the hold began.
     const double period = (now_s - options.settle_s) / options.period_s;
     if (period >= 0.0) {
       const auto at =
@@ -122,6 +124,7 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
       }
     }
   }
+  // An exchange without answer keeps the last force: the spring does not act meanwhile.
   if (answered * 2 < exchanges) {
     throw DeviceError(
         fmt::format("{}: {} of {} exchanges were answered, too few to weigh",

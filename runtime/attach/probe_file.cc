@@ -279,6 +279,8 @@ DeviceLimits probed_limits(const ProbeReport& report, const DeviceLimits& assume
   double damping = std::numeric_limits<double>::infinity();
   double friction_n = damping;
   double delay_s = 0.0;
+  // The worst axis counts: damping and friction less two standard deviations, the delay
+  // with its resolution.
   for (const ProbedAxis& axis : report.axis) {
     if (axis.failure.empty()) {
       damping =
@@ -288,6 +290,7 @@ DeviceLimits probed_limits(const ProbeReport& report, const DeviceLimits& assume
     }
   }
   const bool any = std::isfinite(damping);
+  // Axes that were not identified may be worse; they count as what was assumed.
   if (any && assumed.damping_n_s_per_m > 0.0 && !axes_not_found(report).empty()) {
     damping = std::min(damping, assumed.damping_n_s_per_m);
     friction_n = std::min(friction_n, assumed.coulomb_n);

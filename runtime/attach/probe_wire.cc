@@ -92,6 +92,7 @@ bool ProbeWire::exchange(double force_n) {
     ++missed_;
     return false;
   }
+  // The first answer has no position before it.
   if (exchanges_ > missed_ + 1) {
     learn_step(position_m - position_m_);
   }
@@ -135,8 +136,8 @@ void ProbeWire::stop_a_runaway(std::int64_t now_ns) {
 
 void ProbeWire::show_progress() {
   const std::int64_t now_ns = clock_.now_ns();
-  if (guide_.progress && now_ns >= told_ns_) {
-    told_ns_ = now_ns + std::llround(kProgressS * kNanosecondsPerSecond);
+  if (guide_.progress && now_ns >= progress_ns_) {
+    progress_ns_ = now_ns + std::llround(kProgressS * kNanosecondsPerSecond);
     guide_.progress(left_s_ + std::max(0.0, step_s_ - seconds_in(now_ns - step_ns_)));
   }
 }

@@ -83,7 +83,7 @@ class ProbeWire {
   double gap_s_ = 0.0;
   std::int64_t begin_ns_ = 0;
   std::int64_t next_ns_ = 0;
-  std::int64_t told_ns_ = 0;
+  std::int64_t progress_ns_ = 0;
   std::int64_t speed_ns_ = 0;
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();

@@ -112,6 +112,8 @@ SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
   for (int axis = 0; axis < options.axes; ++axis) {
     double& sum_j = work_j[static_cast<std::size_t>(axis)];
     for (int round = 0; round < options.rounds; ++round) {
+      // W > clear_j: the motors push as they are asked to. Below -clear_j they push
+      // against it. Between, the next round adds to the sum.
       sum_j += pusher.push_along(axis);
       if (sum_j > options.clear_j) {
         break;

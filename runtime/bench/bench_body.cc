@@ -198,6 +198,7 @@ std::vector<Element> BenchBody::around(const Eigen::Vector3d& p_m) const {
   };
   std::vector<Element> messages{middle};
   messages.front().active = true;
+  // Triangles that share a vertex lie in the nine squares about the active one's.
   for (int r = std::max(0, row - 1); r <= std::min(options.cells - 1, row + 1); ++r) {
     for (int c = std::max(0, column - 1); c <= std::min(options.cells - 1, column + 1);
          ++c) {
@@ -263,6 +264,8 @@ std::vector<Eigen::Vector3d> make_bench_walk(const BenchBody& body,
   const double side = body.side_m();
   const Eigen::Vector3d low(0.2 * side, 0.2 * side, o.tool_radius_m - o.depth_m);
   const Eigen::Vector3d high(0.8 * side, 0.8 * side, o.tool_radius_m + o.lift_m);
+  // v' = -v / memory_s + white noise. With the noise speed sqrt(2 decay) per tick v
+  // keeps the standard deviation `speed`, to first order in decay = tick / memory.
   const double decay = o.tick_s / o.memory_s;
   const double noise = o.speed_m_per_s * std::sqrt(2.0 * decay);
   Eigen::Vector3d x = 0.5 * (low + high);
@@ -275,6 +278,7 @@ std::vector<Eigen::Vector3d> make_bench_walk(const BenchBody& body,
     for (int i = 0; i < 3; ++i) {
       v(i) += -decay * v(i) + noise * normal(random);
       x(i) += o.tick_s * v(i);
+      // Reflected at the box.
       if (x(i) < low(i) || x(i) > high(i)) {
         x(i) = std::clamp(x(i), low(i), high(i));
         v(i) = -v(i);

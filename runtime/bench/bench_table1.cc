@@ -144,6 +144,7 @@ double largest_stable_stiffness(const Table1Options& options, LocalModel model,
 
 Table1Report run_table1(const Table1Options& options) {
   for (const double rate : options.rates_hz) {
+    // The slow process runs in whole ticks of the fast one.
     const double ticks = options.fast_hz / rate;
     if (!(rate > 0.0) || std::abs(ticks - std::round(ticks)) > 1e-9 || ticks < 1.0) {
       throw InputError(

@@ -82,6 +82,7 @@ ResponseDatabase cylinder_body(const CylinderBodyOptions& options) {
   std::vector<NodeResponse> responses(static_cast<std::size_t>(nodes));
   for (Eigen::Index i = 0; i < nodes; ++i) {
     const double x = database.body.position_m(i, 0);
+    // |x| = length / 2 on the rings at the ends and on the ends' middles.
     const bool side = std::abs(x) < 0.499 * options.length_m;
     if (side) {
       responses[static_cast<std::size_t>(i)] =

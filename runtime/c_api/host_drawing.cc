@@ -75,6 +75,7 @@ DisplacedSurface displaced_surface(const HostBody& body, const HostTool& tool,
       continue;
     }
     const auto table = static_cast<std::size_t>(contact.table);
+    // Fields of the three corners by their shares of the contact's depth.
     const std::vector<PressedField> under =
         fields_under(contact, database.body, field_of(table));
     surface.known += under.empty() ? 0 : 1;
@@ -83,6 +84,7 @@ DisplacedSurface displaced_surface(const HostBody& body, const HostTool& tool,
   surface.moved_m = Points::Zero(database.body.position_m.rows(), 3);
   for (std::size_t table = 0; table < pressed.size(); ++table) {
     if (!pressed[table].empty()) {
+      // Displacements of contacts add up, as in a linear body.
       surface.moved_m += displaced_m(field_of(table), pressed[table]);
     }
   }

@@ -100,10 +100,10 @@ enum palpate_flags {
 
 /* What the place under the tool answers with. */
 enum palpate_answer {
-  PALPATE_ANSWER_NONE = 0,      /* nothing is known yet, or nobody reaches there */
-  PALPATE_ANSWER_ESTIMATED = 1, /* as of a half space: PALPATE_ESTIMATE */
-  PALPATE_ANSWER_CHEAP = 2,     /* linear, on a coarse mesh */
-  PALPATE_ANSWER_GOOD = 3       /* as the finished database has it */
+  PALPATE_ANSWER_NONE = 0,        /* nothing is known yet, or nobody reaches there */
+  PALPATE_ANSWER_ESTIMATED = 1,   /* as of a half space: PALPATE_ESTIMATE */
+  PALPATE_ANSWER_PRELIMINARY = 2, /* linear, on a coarse mesh */
+  PALPATE_ANSWER_FINAL = 3        /* as the finished database has it */
 };
 
 /* How the service of a scene is. Whatever it is, what was answered is rendered. */
@@ -163,7 +163,7 @@ typedef struct palpate_state {
   double stored_j;         /* [J] in the local model */
   double tank_j;           /* [J] >= 0 that changes of the model freed */
   double dissipated_j;     /* [J] >= 0 by friction and discarded surplus */
-  double relaxed_shift;    /* [host length] >= 0 that the energy account had to take */
+  double rest_offset;      /* [host length] >= 0 that the energy account had to take */
   double force_scale;      /* [-] (0, 1], below 1 by PALPATE_LIMIT_STIFFNESS */
   double tilt_rad;         /* [rad] between the tool's orientation and the one that the
                               responses are of; 0 without */
@@ -186,7 +186,7 @@ typedef struct palpate_state {
    * energies those of both together. */
   double second_force[3];
   double second_torque[3];
-  int32_t answer; /* of enum palpate_answer; of a database always good */
+  int32_t answer; /* of enum palpate_answer; of a database always final */
 } palpate_state;
 
 /* Of the service of a scene. */
@@ -195,8 +195,8 @@ typedef struct palpate_service {
   int32_t state;      /* of enum palpate_service_state */
   int32_t started;    /* 1: it is this process' child, and ends with the body */
   int64_t nodes;      /* that get an answer, */
-  int64_t cheap;      /* have one, */
-  int64_t good;       /* have the one that the database will have */
+  int64_t answered;   /* have one, */
+  int64_t finished;   /* have the one that the database will have */
   int64_t softened;   /* answers that were too stiff for the device */
   char detail[256];   /* why, or the finished database's path; one line */
 } palpate_service;

@@ -22,7 +22,7 @@
 #include "runtime/c_api/host_handles.h"
 #include "runtime/c_api/host_surface.h"
 #include "runtime/c_api/known_struct.h"
-#include "runtime/c_api/told_service.h"
+#include "runtime/c_api/service_status.h"
 
 namespace {
 
@@ -100,7 +100,7 @@ int palpate_service_get(palpate_body* body, palpate_service* service) {
     if (body == nullptr) {
       throw InputError("no body");
     }
-    palpate_service all = palpate::told_service(body->body);
+    palpate_service all = palpate::service_status(body->body);
     all.struct_size = service->struct_size;
     palpate::copy_known(all, service);
     return 0;

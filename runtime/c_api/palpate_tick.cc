@@ -202,7 +202,7 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.stored_j = tick.command.stored_j;
   all.tank_j = tick.command.tank_j;
   all.dissipated_j = tick.command.dissipated_j;
-  all.relaxed_shift = tick.command.relaxed_shift_m / tool->metres_per_unit;
+  all.rest_offset = tick.command.rest_offset_m / tool->metres_per_unit;
   all.force_scale = tool->force_scale;
   all.tilt_rad = tick.tilt_rad;
   all.starved = tick.command.starved ? 1 : 0;
@@ -216,7 +216,7 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.contacts = tick.command.contacts;
   all.coupling_scaled = tick.command.scaled ? 1 : 0;
   all.dent = tick.command.dent_m / tool->metres_per_unit;
-  all.answer = tool->grown == nullptr ? PALPATE_ANSWER_GOOD
+  all.answer = tool->grown == nullptr ? PALPATE_ANSWER_FINAL
                                       : static_cast<std::int32_t>(tool->grown->here());
   palpate::copy_known(all, state);
 }

@@ -146,7 +146,7 @@ void add_walk(Command bench) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     flags->model = requested_model(flags->model_name);
-    flags->stop = &heed_stop_signals();
+    flags->stop = &stop_signals();
     const WalkBenchReport report = run_walk_bench(*flags);
     fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
   });

@@ -39,7 +39,7 @@ void check(const CalibrateFlags& flags) {
 // the link is closed first.
 Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
   link->open();
-  const Weight weight = weigh(*link, falcon_centre_m(), {}, heed_stop_signals());
+  const Weight weight = weigh(*link, falcon_centre_m(), {}, stop_signals());
   link->close();
   release_stop_signals();
   return weight;
@@ -69,7 +69,7 @@ void calibrate(CalibrateFlags& flags) {
   check(flags);
   flags.device.tell = tell_person;
   flags.device.stopped = [] {
-    return heed_stop_signals().load();
+    return stop_signals().load();
   };
   test_motor_signs(flags);
   auto bare_link = calibration_link(flags.device, 0.0);

@@ -47,9 +47,9 @@ std::vector<SimulationReport> render(const DeviceRunFlags& flags,
   if (flags.reconnect) {
     return simulate_and_reconnect(
         database, flags.options,
-        {.patience_s = 600.0, .look_s = 0.5, .tell = tell_person}, heed_stop_signals());
+        {.patience_s = 600.0, .look_s = 0.5, .tell = tell_person}, stop_signals());
   }
-  return {simulate(database, flags.options, heed_stop_signals())};
+  return {simulate(database, flags.options, stop_signals())};
 }
 
 // One object, whose "runs" are there when a reconnection made several.
@@ -133,7 +133,7 @@ void run_scene_on_device(DeviceRunFlags& flags) {
   }
   refuse_together_of_scene(flags.device);
   attach_device(flags.device, flags.options);
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   const auto client = join_scene(flags.database, flags.scene, flags.options.tool);
   const SimulationReport report = simulate_served(*client, flags.options, stop);
   print_runs(flags, {report});

@@ -156,7 +156,7 @@ std::vector<SimulationReport> render_streamed(const SimulateFlags& flags,
   const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                static_cast<double>(kMebibyte));
   return simulate_streamed(flags.database, tools_on(flags, surface), budget,
-                           heed_stop_signals());
+                           stop_signals());
 }
 
 void print_tools(const SimulateFlags& flags,
@@ -186,7 +186,7 @@ void simulate_scene(const SimulateFlags& flags) {
         "--record and --flight-recorder, or build its database first");
   }
   const SimulationOptions options = tools_of(flags).front();
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   const auto client = join_scene(flags.database, flags.scene, options.tool);
   const SimulationReport report = simulate_served(*client, options, stop);
   print_tools(flags, {report});
@@ -214,7 +214,7 @@ void run_simulation(const SimulateFlags& flags) {
     reports = render_streamed(flags, surface);
   } else {
     const ResponseDatabase database = read_database(flags.database);
-    reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
+    reports = simulate(database, tools_on(flags, surface), stop_signals());
   }
   print_tools(flags, reports);
   leave_surface(flags.surface, surface, reports);

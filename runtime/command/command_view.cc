@@ -109,7 +109,7 @@ void serve(const ViewFlags& flags, const ViewedBody& body, ViewSession& session,
   LiveView live(session, wall, news);
   ViewServer server(server_options(flags, body), live);
   live.answer_through(server);
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   say_where(server);
   server.run(stop);
 }
@@ -189,7 +189,7 @@ SimulationReport look_on(const ViewFlags& flags, const ViewedBody& body,
 
 // A device steers, in real time.
 void watch(ViewFlags& flags, const ResponseDatabase& database) {
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const auto contacts = std::make_unique<ContactsWatch>();
   SimulationOptions options = watched_options(flags, *ticks);
@@ -221,7 +221,7 @@ ViewedBody viewed_scene(const ServedScene& scene, ViewedBody body) {
 // A scene, while it is computed: the page steers, on simulated time that follows the
 // clock.
 void steer_scene(const ViewFlags& flags) {
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   const auto client =
       join_scene(flags.database, flags.scene,
                  flags.device.tools.empty() ? "" : flags.device.tools.front());
@@ -242,7 +242,7 @@ void steer_scene(const ViewFlags& flags) {
 
 // The same while a device steers, in real time; the pages watch.
 void watch_scene(ViewFlags& flags) {
-  const std::atomic<bool>& stop = heed_stop_signals();
+  const std::atomic<bool>& stop = stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const SimulationOptions options = watched_options(flags, *ticks);
   const auto client =

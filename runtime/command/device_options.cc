@@ -19,7 +19,7 @@ void tell_person(const std::string& text) {
 void ask_person(const std::string& text) {
   fmt::print(stderr, "{}; then press Enter\n", text);
   for (;;) {
-    if (heed_stop_signals()) {
+    if (stop_signals()) {
       throw Interrupted();
     }
     constexpr int kLookMs = 100;
@@ -143,7 +143,7 @@ void prepare_request(DeviceFlags& flags) {
   flags.request.tell = tell_person;
   flags.request.ask = ask_person;
   flags.request.stopped = [] {
-    return heed_stop_signals().load();
+    return stop_signals().load();
   };
   flags.request.sign_test = !flags.no_sign_test;
   flags.request.calibration = motor_factor(flags.calibration, flags.request.name);

@@ -45,7 +45,7 @@ TerminalGuide::Key TerminalGuide::key(int wait_ms) {
 }
 
 bool TerminalGuide::stopped() {
-  stop_ = stop_ || heed_stop_signals().load() || key(0) == Key::kStop;
+  stop_ = stop_ || stop_signals().load() || key(0) == Key::kStop;
   return stop_;
 }
 
@@ -62,7 +62,7 @@ void TerminalGuide::await(const char* text) {
   constexpr int kLookMs = 100;
   say(fmt::format("{}; then press Enter (q: stop)", text).c_str());
   for (Key pressed = Key::kNone; pressed != Key::kGoOn; pressed = key(kLookMs)) {
-    if (pressed == Key::kStop || heed_stop_signals()) {
+    if (pressed == Key::kStop || stop_signals()) {
       throw Interrupted();
     }
   }

@@ -25,6 +25,8 @@ using Index = Eigen::Index;
 
 // L of the matrix in its place, column by column, four columns of the past at a time.
 bool factor_in_place(ContactMatrix& a, ContactValues& inverse, Index n) {
+  // a_ij -= sum_{k < j} L_ik L_jk for i >= j; then L_ij = a_ij / sqrt(a_jj). The
+  // factor's entry c_k[j] is L_jk.
   for (Index j = 0; j < n; ++j) {
     Real* column = a.col(j).data();
     Index k = 0;
@@ -48,6 +50,7 @@ bool factor_in_place(ContactMatrix& a, ContactValues& inverse, Index n) {
         column[i] -= w * past[i];
       }
     }
+    // S has ones on its diagonal, so that a pivot is relative to one. NaN fails, too.
     if (!(column[j] > kPivotMin)) {
       return false;
     }
@@ -219,6 +222,8 @@ void sum_energy(CoupledContacts& c) {
   const Index n = c.count;
   c.solved = c.count;
   c.solved_depth_m.head(n) = asked_m(c);
+  // U = sum [E_i + f_i (d_i - delta_i - (C f)_i / 2)], with g = 0 the sum of E_i and of
+  // f.C f / 2. This form is stationary in f: what is left of g counts by its square.
   c.energy_j = (c.own_energy_j.head(n) +
                 c.force_n.head(n) * (c.solved_depth_m.head(n) - c.delta_m.head(n) -
                                      0.5 * c.dimple_m.head(n)))

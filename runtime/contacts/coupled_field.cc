@@ -48,6 +48,7 @@ NodeReading read_node(CoupledPlace& at, const CoupledSurface& surface, std::size
 
 // The stored curve of a contact at delta: its energy, or force and stiffness.
 Real energy_at(CoupledPlace& at, const CoupledSurface& surface, Real y) {
+  // E_i(y) = sum_a n_a E_a(c_a (y - t_a)); a node counts past its touch t_a.
   Real energy = 0.0;
   for (std::size_t a = 0; a < 3; ++a) {
     if (at.lean[a] > 0.0 && y > at.touch_m[a]) {
@@ -61,6 +62,8 @@ Real energy_at(CoupledPlace& at, const CoupledSurface& surface, Real y) {
 
 void force_and_stiffness_at(CoupledPlace& at, const CoupledSurface& surface, Real y,
                             Real& force, Real& stiffness) {
+  // f_i = sum_a n_a c_a f_a and k_i = sum_a n_a c_a^2 f_a' at c_a (y - t_a), by
+  // Horner's rule in the cubic around.
   force = 0.0;
   stiffness = 0.0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -193,6 +196,8 @@ void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
            int i) noexcept {
   const auto self = static_cast<std::size_t>(i);
   CoupledPlace& at = field.at[self];
+  // What depends on the element alone is read once, until another element or another
+  // copy of this one is in use.
   const int slot = at.place.slot;
   const CoupledSurface& surface = surfaces[i];
   const std::uint64_t stored_at =
@@ -212,13 +217,18 @@ void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
     const ElementNode& node = element.node[a];
     const Eigen::Map<const Vector3> n(node.normal.data());
     const Eigen::Map<const Vector3> u(node.direction.data());
+    // c_a = |n . u| turns a depth along the normal into a deflection; t_a is along the
+    // normal.
     at.lean[a] = node.samples > 0 ? std::abs(n.dot(u)) : Real(0.0);
     at.touch_m[a] = node.touch_offset_m;
+    // s_m b_m with s_m = 1 of the added modes, -1 of the others.
     for (int m = 0; m < set.modes; ++m) {
       const Real b = row[a].mode[static_cast<std::size_t>(m)];
       at.signed_mode(m, static_cast<Index>(a)) = m < set.added_modes ? b : -b;
     }
     for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
+      // c_a(r_ij) at the fixed distance r_ij; between two ports the distance changes
+      // with every tick.
       const bool couples = j != self && of_one_port(set, self, j);
       at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
           couples ? reach_m_per_n(row[a], set.apart[self][j]) : Real(0.0);

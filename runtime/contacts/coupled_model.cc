@@ -61,6 +61,10 @@ void continue_in(const Tangent& tangent, const CoupledSurface& surface,
 // Moves contact i to x, and its spring. Where its place is not sound, scratch gets the
 // one where its rendering goes on.
 void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
+  // 1. The friction spring follows in the tangent plane of the last tick. 2. A place
+  // beyond its element goes on there in scratch. 3. The place itself follows through
+  // the neighbours. 4. A place that is not sound by 2 or 3 goes on in the tangent plane
+  // of the last tick.
   FieldPlace& place = t.at(i).place;
   CoupledContact& contact = t.contact(i);
   move.moved_m = x - contact.centre_m;
@@ -86,6 +90,8 @@ void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
   if (move.sound || within) {
     return;
   }
+  // F_t = F - (F . n) n of the last tick: along the surface the rendered energy goes on
+  // as -F_t . (x - x_k).
   move.along_n = move.force_n - move.force_n.dot(before.normal) * before.normal;
   continue_in(before, t.surfaces[i], move.moved_m, on);
 }
@@ -161,6 +167,7 @@ bool change_contact_element(const CoupledTick& t, int i) {
   CoupledContact& contact = t.contact(i);
   FieldPlace& place = t.at(i).place;
   const ElementCache& cache = t.surfaces[i].cache;
+  // Nothing can change without a new message, unless the contact has lost its element.
   const bool news = cache.received != contact.received_seen;
   contact.received_seen = cache.received;
   if (!news && !place.outside) {
@@ -170,9 +177,12 @@ bool change_contact_element(const CoupledTick& t, int i) {
   const int here = place.slot;
   const bool another = active >= 0 && (here < 0 || triangle_in(cache, active) !=
                                                        triangle_in(cache, here));
+  // Lost: beyond an edge, and the slow process has found the active element since.
   const bool lost =
       place.outside && active >= 0 &&
       cache.stored_at[static_cast<std::size_t>(active)] > contact.received_inside;
+  // Another element may have another potential here. A contact that touches therefore
+  // keeps its element, unless the contact is lost.
   if (another && (here < 0 || !contact.reading.touching || lost)) {
     contact.spring = {};
     adopt(place, cache, active, contact.centre_m, t.set.field);
@@ -182,6 +192,8 @@ bool change_contact_element(const CoupledTick& t, int i) {
   if (here < 0) {
     return false;
   }
+  // The same triangle with newer responses changes the energy here, which the ledger
+  // books.
   const int newer = find(cache, triangle_in(cache, here));
   const bool copied = newer >= 0 && newer != here;
   if (copied) {
@@ -252,17 +264,22 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSe
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m_per_s, Real dt_s) noexcept {
   const CoupledTick t{model, scratch, set, surfaces};
+  // 1. Work of the movement under the model of the last tick, (14) of the paper.
   const Real moved_j = move_contacts(t, pose, Keep::kYes);
   book_work(ledger, moved_j + springs_j(t));
+  // 2. The newest elements that are allowed.
   const bool changed = change_elements(t);
   if (changed) {
     (void)settle_places(t, Keep::kYes);
   }
+  // 3. With memory the ledger balances both before time passes, for it is the dent that
+  // pays for relaxing.
   Real recovery_m = recovery_m_per_s * dt_s;
   if (model.field.remembers &&
       (changed || moved_j != model.field.equilibrium.energy_j)) {
     settle(t, ledger, std::exchange(recovery_m, Real(0.0)));
   }
+  // 4. The second half of the tick's time, then what yields. 5. The rest is balanced.
   relax_here(t, ledger, Real(0.5) * dt_s);
   yield_here(t, ledger);
   settle(t, ledger, recovery_m);

@@ -48,6 +48,8 @@ const char* finish(CoupledSet& set) noexcept {
       set.added_modes < 0 || set.added_modes > set.modes) {
     return "a table of compliance has 0 to 16 modes";
   }
+  // The contacts of one port keep r_ij = |x_i - x_j|. Weights of c(r_ij) among the
+  // knots of the table are therefore made once. Pairs of two ports do not use theirs.
   for (int i = 0; i < set.count && set.count > 1; ++i) {
     const ContactSphere& a = set.sphere[static_cast<std::size_t>(i)];
     for (int j = 0; j < set.count; ++j) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 
 namespace palpate {
 namespace {
@@ -28,6 +28,8 @@ void pay_contacts(const CoupledTick& t, Real allowed_j) {
   if (energy + springs <= allowed_j + kSameEnergy * energy) {
     return;
   }
+  // A spring's energy goes by the square of its stretch: all stretches shrink by
+  // sqrt(kept / springs).
   const Real kept_j = kPaid * std::max(Real(0.0), allowed_j - energy);
   const Real part = springs > 0.0 ? std::sqrt(kept_j / springs) : Real(0.0);
   for (int i = 0; i < t.count(); ++i) {
@@ -89,6 +91,7 @@ void read_contacts(const CoupledTick& t) noexcept {
 
 void settle(const CoupledTick& t, PassivityLedger& ledger, Real recovery_m) noexcept {
   CoupledField& field = t.model.field;
+  // 1. Springs take the normal force of this tick: k_t = mu f_i / delta_L.
   for (int i = 0; i < t.count(); ++i) {
     CoupledContact& contact = t.contact(i);
     if (contact.reading.loaded) {
@@ -98,13 +101,17 @@ void settle(const CoupledTick& t, PassivityLedger& ledger, Real recovery_m) noex
       contact.spring = {};
     }
   }
+  // 2. What is held beyond stored + tank is cut: springs first, then U by delta_0.
   note_shortfall(ledger, field.equilibrium.energy_j + springs_j(t));
   const Real allowed = not_above(allowance_j(ledger));
   pay_contacts(t, allowed);
+  // 3. delta_0 sinks back by as much as is left.
   if (field.shift_m > 0.0) {
     recover_contacts(t, allowed - field.equilibrium.energy_j - springs_j(t),
                      recovery_m);
   }
+  // 4. The tank keeps at most U at delta_0 = 0, and nothing in free space. delta_0
+  // needs no more than that to sink back whole.
   Real keep = t.model.touching ? field.equilibrium.energy_j : Real(0.0);
   const Real left = allowed - field.equilibrium.energy_j - springs_j(t);
   if (field.shift_m > 0.0 && left > 0.0 && t.model.touching) {

@@ -46,7 +46,7 @@ void describe(const CoupledState& state, WrenchCommand& command) {
   const CoupledContacts& c = model.field.equilibrium;
   command.in_contact = model.loaded;
   command.scaled = c.scale < 1.0;
-  command.relaxed_shift_m = model.field.shift_m;
+  command.rest_offset_m = model.field.shift_m;
   command.carried_n =
       model.field.remembers ? model.field.carried_n.head(state.set.count).sum() : 0.0;
   for (int i = 0; i < state.set.count; ++i) {
@@ -162,6 +162,8 @@ WrenchCommand step(CoupledState& state, const PoseSample& sample, Real dt_s) noe
   WrenchCommand command;
   if (state.safety.fault == Fault::kNone) {
     const PortPoses& from = state.sampled ? state.latest.pose : sample.pose;
+    // Safety limits one vector of all ports. A torque counts in it as a force at the
+    // port's lever [N], a turn as a way [m].
     const WrenchSafety::Vector moved = movement(state.set, from, sample.pose);
     const PassivityLedger before = state.ledger;
     relax_ahead(state, dt_s);
@@ -174,6 +176,7 @@ WrenchCommand step(CoupledState& state, const PoseSample& sample, Real dt_s) noe
     command.wrench =
         unflattened(state.set, make_safe(state.safety, limits, state.ledger,
                                          flattened(state.set, wanted), moved, dt_s));
+    // A force that is not a number leaves the account as the last tick left it.
     if (state.safety.fault == Fault::kNotFinite) {
       state.ledger = before;
     }

@@ -86,12 +86,15 @@ Guess improved(const VirtualCoupling& c, const DevicePose& device,
   Guess next = guess;
   const Real h = step.h;
   const Matrix3 turn0 = step.from.turn.toRotationMatrix();
+  // Simo & Wong 1991 with the letters of the header: middle_in_tool is (W0 + W1) / 2,
+  // moved is dp [m], turned is th [rad], way2 is |dp|^2 + L^2 |th|^2.
   const Vector3 middle_in_tool = Real(0.5) * (step.spin0 + guess.spin);
   next.middle_velocity = Real(0.5) * (step.from.velocity_m_per_s + guess.velocity);
   next.middle_spin = turn0 * middle_in_tool;
   const Vector3 moved = h * next.middle_velocity;
   const Vector3 turned = h * next.middle_spin;
   next.turn = (step.from.turn * cayley(h * middle_in_tool)).normalized();
+  // The middle pose: p0 + dp / 2 and R0 cay(h W_mid / 2).
   const PortPose middle{
       step.from.position_m + Real(0.5) * moved,
       (step.from.turn * cayley(Real(0.5) * h * middle_in_tool)).toRotationMatrix()};
@@ -100,15 +103,18 @@ Guess improved(const VirtualCoupling& c, const DevicePose& device,
   const Real change = whole(c, device, potential, end, false).energy_j - step.energy0_j;
   const Real lever2 = c.lever_m * c.lever_m;
   const Real way2 = moved.squaredNorm() + lever2 * turned.squaredNorm();
+  // a = (-(change of U + U_c) - F . dp - T . th) / way2: the discrete gradient.
   if (way2 > kNoWay) {
     const Real a =
         (-change - given.force_n.dot(moved) - given.torque_n_m.dot(turned)) / way2;
     given.force_n += a * moved;
     given.torque_n_m += (a * lever2) * turned;
   }
+  // Dampers act on the middle velocities relative to the device.
   next.damper_n =
       -c.damper_n_s_per_m * (next.middle_velocity - device.velocity_m_per_s);
   next.damper_n_m = -c.damper_n_m_s * (next.middle_spin - device.spin_rad_per_s);
+  // m (v1 - v0) = h F and R1 J W1 - R0 J W0 = h T, with the dampers' parts.
   next.velocity =
       step.from.velocity_m_per_s + (h / c.mass_kg) * (given.force_n + next.damper_n);
   next.momentum = step.from.momentum_n_m_s + h * (given.torque_n_m + next.damper_n_m);

@@ -104,6 +104,8 @@ int exchange_until_the_end(DeviceLink& link, int descriptor,
     if (status == LinkStatus::kMissed) {
       ++state.missed;
     } else {
+      // What of the wish the link did not exert: limits, rounding to motor steps, no
+      // known pose.
       const Eigen::Vector3d withheld_n = wanted_n - link.sent_n();
       state.time_ns = begin_ns;
       state.done_ns = clock.now_ns();
@@ -117,6 +119,8 @@ int exchange_until_the_end(DeviceLink& link, int descriptor,
       } else {
         say(descriptor, state);
       }
+      // The answer to this position is given answer_s to come. rate_max_hz bounds
+      // exchanges.
       commands.await_next(state.done_ns + nanoseconds_in(timing.answer_s));
     }
     clock.sleep_until_ns(begin_ns + nanoseconds_in(1.0 / timing.rate_max_hz));

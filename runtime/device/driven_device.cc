@@ -57,6 +57,7 @@ void DrivenDevice::open() {
     start(ends[1]);
   } catch (...) {
     ::close(ends[0]);
+    // The driver's end closes here, so that the socket ends when the driver does.
     ::close(ends[1]);
     throw;
   }

@@ -67,6 +67,8 @@ Guardian::Guardian(int device_descriptor, ZeroForce zero_force, double silent_s)
         "no guardian for the device: its patience is {} s, must be positive",
         silent_s));
   }
+  // The lifeline closes with the last end of this process. Shared memory has the beats
+  // and a robust mutex, by which the child learns that the beating thread has died.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     fail("socketpair");
@@ -79,6 +81,7 @@ Guardian::Guardian(int device_descriptor, ZeroForce zero_force, double silent_s)
     fail("shared memory");
   }
   shared_ = new (memory) Shared;
+  // The child never returns from guard().
   child_ = init(shared_->held) ? ::fork() : -1;
   if (child_ == 0) {
     ::close(ends[0]);

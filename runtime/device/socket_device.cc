@@ -33,7 +33,7 @@ union Datagram {
 static_assert(sizeof(SocketHello) == 48 && sizeof(SocketState) == 80 &&
               sizeof(SocketTurnedState) == 112 && sizeof(SocketFarewell) == 256);
 
-// Whoever listens gets positions and is told forces: this user, or root.
+// Whoever listens gets positions and receives forces: this user, or root.
 void check_peer(int descriptor, const std::string& name) {
   if (const auto stranger = stranger_at(descriptor)) {
     ::close(descriptor);
@@ -120,6 +120,7 @@ void SocketDevice::greet() {
     }
   }
   Datagram heard{};
+  // MSG_TRUNC returns the whole length of a datagram: hello 48 bytes, farewell 256.
   const ssize_t size =
       ::recv(descriptor_, &heard, sizeof heard, MSG_TRUNC | MSG_DONTWAIT);
   if (size == sizeof heard.farewell && heard.farewell.magic == SocketFarewell{}.magic) {
@@ -239,6 +240,7 @@ DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
 DeviceStatus SocketDevice::read(DeviceReading& reading, int states_max) noexcept {
   for (int taken = 0; taken < states_max; ++taken) {
     Datagram heard;
+    // Datagrams differ by length: state 80 bytes, state with a turn 112, farewell 256.
     const ssize_t bytes =
         ::recv(descriptor_, &heard, sizeof heard, MSG_DONTWAIT | MSG_TRUNC);
     if (bytes == sizeof heard.state && !turned_) {
@@ -260,6 +262,7 @@ DeviceStatus SocketDevice::read(DeviceReading& reading, int states_max) noexcept
       return DeviceStatus::kLost;
     }
   }
+  // The newest state is the answer, until it is older than stale_s.
   MonotonicClock clock;
   if (heard_ns_ == 0) {
     return DeviceStatus::kLate;

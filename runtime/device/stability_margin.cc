@@ -16,6 +16,8 @@ double RenderedStiffness::largest_n_per_m() const noexcept {
 
 RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_max_n) {
   ResponseTable rendered;
+  // A press at finite speed has relaxed on its way. The renderer's elastic response is
+  // the instantaneous one, which is stiffer.
   const bool pressed =
       !stored.viscoelasticity.empty() && !stored.viscoelasticity.instantaneous;
   if (pressed) {
@@ -31,6 +33,7 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
     if (curve.force_n.empty()) {
       continue;
     }
+    // Unloading after yielding is steeper than the first press.
     const double stiffness = yielding.empty() ? table.stiffness_max_n_per_m[node]
                                               : yielded_stiffness_max_n_per_m(
                                                     curve, yielding_of(yielding, i));
@@ -38,6 +41,7 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
       largest.normal_n_per_m = stiffness;
       largest.node = i;
     }
+    // k_t = mu f / delta_L with the largest f that the curve or the device allows.
     if (table.presliding_m[node] > 0.0) {
       const double force_n = std::min(
           force_max_n, *std::max_element(curve.force_n.begin(), curve.force_n.end()));
@@ -99,6 +103,7 @@ std::string why_not_renderable(const RenderedStiffness& stiffness,
           ? fmt::format("the body's largest stiffness {:.4g} N/m (node {})", k,
                         stiffness.node)
           : fmt::format("the stiffness {:.4g} N/m of friction before sliding", k);
+  // 2 b / T is never below b / (T/2 + T_delay), so that one of two bounds is broken.
   if (bounds.quantisation_n_per_m <= bounds.delay_n_per_m) {
     return fmt::format(
         "{} exceeds {:.4g} N/m, what a position step of {:.3g} m allows with {:.3g} N "

@@ -47,6 +47,18 @@ struct NodeMemory {
   Real soft_most = 0.0;
 };
 
+constexpr int kPunctureMaterials = 8;       ///< that a tool may cut, at most
+constexpr std::size_t kPunctureLayers = 6;  ///< along a node's axis, at most
+
+/// What a needle meets below a node (needle/channel.h).
+struct NodePuncture {
+  std::int32_t layers = 0;  ///< [0, kPunctureLayers]; 0: nothing is punctured here
+  Real rupture = 0.0;       ///< [N] or [J] >= 0 that breaks the first membrane
+  /// [m] along the axis where a layer begins: the first at 0, increasing.
+  std::array<Real, kPunctureLayers> depth_m{};
+  std::array<std::int8_t, kPunctureLayers> material{};  ///< of the tool's rules
+};
+
 /// How an element's responses relax while a tool presses (relaxing_contact.h), and
 /// whether they yield.
 struct ElementMemory {
@@ -97,6 +109,7 @@ struct Element {
   /// Triangle across edge (j, j+1); -1 at a border.
   std::array<std::int32_t, 3> neighbour{-1, -1, -1};
   ElementMemory memory;
+  std::array<NodePuncture, 3> puncture{};
 };
 
 static_assert(std::is_trivially_copyable_v<Element>);

@@ -31,6 +31,22 @@ bool yields_well(const NodeMemory& node) {
          node.soft_most < 1.0;
 }
 
+bool well_formed(const NodePuncture& node) {
+  if (node.layers < 0 || node.layers > static_cast<std::int32_t>(kPunctureLayers) ||
+      !(node.rupture >= 0.0)) {
+    return false;
+  }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(node.layers); ++k) {
+    const bool begins =
+        k == 0 ? node.depth_m[0] == 0.0 : node.depth_m[k] > node.depth_m[k - 1];
+    if (!begins || !std::isfinite(node.depth_m[k]) || node.material[k] < 0 ||
+        node.material[k] >= kPunctureMaterials) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
     const bool none = node.samples == 0;
@@ -40,7 +56,11 @@ bool well_formed(const Element& element) {
       return false;
     }
   }
-  return element.triangle >= 0 && well_formed(element.memory);
+  return element.triangle >= 0 && well_formed(element.memory) &&
+         std::all_of(element.puncture.begin(), element.puncture.end(),
+                     [](const NodePuncture& node) {
+                       return well_formed(node);
+                     });
 }
 
 // Same triangle, else empty (stored_at 0), else the oldest; not the pinned one.
@@ -74,6 +94,8 @@ bool well_formed(const ElementMemory& memory) noexcept {
       memory.bundles > most_bundles) {
     return false;
   }
+  // Relaxation times are positive, finite and strictly increasing: free_recovery.h
+  // looks for one root between two of them.
   const auto tau =
       std::span(memory.relaxation_s).first(static_cast<std::size_t>(memory.terms));
   const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
@@ -81,6 +103,7 @@ bool well_formed(const ElementMemory& memory) noexcept {
                      }) == tau.end();
   const bool lasts =
       tau.empty() || (tau.front() > 0.0 && rises && std::isfinite(tau.back()));
+  // Cuts do not decrease, for bundle b reaches from cut b - 1 to cut b.
   return lasts &&
          std::all_of(memory.node.begin(), memory.node.end(),
                      [&](const NodeMemory& node) {

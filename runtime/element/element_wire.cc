@@ -65,6 +65,11 @@ struct Reader {
 // The order of a node's values, for both.
 template <typename Pass, typename Node, typename Memory>
 void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
+  // Bytes of a node, r of each Real:
+  //   0            8        index, samples (int32)
+  //   8            15 r     position, normal, direction, tilt, its change with height
+  //   8 + 15 r     3 r      touch offset, friction, presliding
+  //   8 + 18 r     192 r    depths, forces, stiffnesses, energies, 48 of each
   pass(node.node);
   pass(node.samples);
   pass(node.position_m);
@@ -79,6 +84,10 @@ void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
   pass(node.force_n);
   pass(node.stiffness_n_per_m);
   pass(node.energy_j);
+  //   8 + 210 r    16       four sites (int32)
+  //   24 + 210 r   15 r     weights (4), shares that relax (4), cuts (7)
+  //   24 + 225 r   5 r      yield depth, share that stays; softening: onset, scale,
+  //   most
   pass(memory.site);
   pass(memory.weight);
   pass(memory.relaxing);
@@ -262,11 +271,14 @@ void encode(const Element& element, std::uint32_t session,
 bool receive(ElementReceiver& receiver, std::span<const std::byte>& bytes,
              Element& element) noexcept {
   while (true) {
+    // 1. As many bytes as the frame still lacks.
     const std::size_t taken = std::min(bytes.size(), kWireBytes - receiver.filled);
     std::copy_n(bytes.begin(), taken,
                 receiver.buffer.begin() + static_cast<std::ptrdiff_t>(receiver.filled));
     receiver.filled += taken;
     bytes = bytes.subspan(taken);
+    // 2. Not a frame's beginning: on to the next place where the magic, or what has
+    // come of it, stands.
     if (!begins_well(receiver)) {
       skip(receiver);
       continue;
@@ -274,12 +286,15 @@ bool receive(ElementReceiver& receiver, std::span<const std::byte>& bytes,
     if (receiver.filled < kWireBytes) {
       return false;
     }
+    // 3. A whole frame. A broken one is not dropped whole, because the next may begin
+    // within its bytes.
     Head head;
     if (!decode(receiver.buffer, element, head)) {
       ++receiver.counts.broken;
       skip(receiver);
       continue;
     }
+    // 4. Late and repeated elements are counted and dropped.
     receiver.filled = 0;
     if (is_news(receiver, element.sequence, head.session)) {
       return true;

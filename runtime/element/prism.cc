@@ -93,6 +93,8 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
                PrismFrame& frame) noexcept {
   const Matrix3& v = prism.corner_m;
   const Matrix3& n = prism.normal;
+  // turn1 and turn2 are dN/dn_1 and dN/dn_2, n_0 compensating: n_1 - n_0 and n_2 - n_0
+  // by the same formula. Held weights turn with their nearest point.
   Vector3 turn1;
   Vector3 turn2;
   if (beyond == Beyond::kAnalytic || at.area.minCoeff() >= 0.0) {
@@ -107,6 +109,7 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
   }
   const Vector3 sum = n * frame.weight;
   const Real length = sum.norm();
+  // Without area or normal there are no coordinates: scale stays 0, below kScaleMin.
   if (prism.flat || !(length > kNoNormal)) {
     const Vector3 weight = frame.weight;
     const Eigen::Matrix<Real, 3, 2> turn = frame.turn;
@@ -114,12 +117,14 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
     return;
   }
   const Real inverse = 1.0 / length;
+  // x = sum n_j v_j + s N / |N|, and dx/dn_i = v_i - v_0 + s dn_out/dn_i.
   frame.normal = inverse * sum;
   bend(frame, turn1, inverse, frame.bend1, frame.growth(0));
   bend(frame, turn2, inverse, frame.bend2, frame.growth(1));
   frame.position_m = v * at.area + at.height_m * frame.normal;
   frame.along1_m = v.col(1) - v.col(0) + at.height_m * frame.bend1;
   frame.along2_m = v.col(2) - v.col(0) + at.height_m * frame.bend2;
+  // Determinant of (dx/dn_1, dx/dn_2, dx/ds), which is dx/dn_1 x dx/dn_2 . n_out.
   frame.cross_m2 = frame.along1_m.cross(frame.along2_m);
   const Real determinant_m2 = frame.cross_m2.dot(frame.normal);
   frame.inverse_per_m2 = 1.0 / determinant_m2;

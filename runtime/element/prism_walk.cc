@@ -72,6 +72,8 @@ bool leave_flat(FieldPlace& place, const ElementCache& cache, int from,
                 const Vector3& x) {
   const Element& element = element_of(cache, place.slot);
   const Matrix3& v = place.prism.corner_m;
+  // p is where the triangle was entered. On edge j k the point nearest to p is v_j + t
+  // (v_k - v_j), t = (p - v_j) . e / |e|^2 held in [0, 1].
   const Vector3 p = v * place.at.area;
   Crossing way;
   Vector3 weight = place.at.area;
@@ -168,6 +170,9 @@ Tried try_here(FieldPlace& place, const Vector3& x) {
 
 // The nearest point of the element's plane, through neighbours while there are any.
 void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3& x) {
+  // 1. Through neighbours to the triangle in whose plane the nearest point of x is
+  // inside. The walk ends at a border, a missing neighbour, or where it would turn
+  // back.
   int from = -1;
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const Matrix3& v = place.prism.corner_m;
@@ -184,11 +189,14 @@ void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3&
     from = place.slot;
     cross_into(place, cache, over.slot, inside(area), x);
   }
+  // 2. The smooth field may have coordinates in that triangle.
   if (place.kind == FieldKind::kSmooth && !place.prism.flat &&
       try_here(place, x).inside) {
     place.starved = false;
     return;
   }
+  // 3. No sound coordinates: the nearest point's weights are held, s = (x - sum w_j
+  // v_j) . n, and n is the blended normal there.
   place.folded = true;
   place.outside = false;
   PrismFrame frame;
@@ -285,12 +293,15 @@ bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept {
 void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) noexcept {
   int from = -1;
   place.starved = false;
+  // Newton's method on facets begins at the second-order estimate, where the last place
+  // has one.
   if (place.kind == FieldKind::kFacets && !place.folded && !place.outside &&
       place.frame.scale > kScaleMin) {
     predict(place.frame, x_m - place.frame.position_m, place.prism.size_m, place.at);
   }
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const int here = place.slot;
+    // A triangle without area has no coordinates: over it to the next.
     if (place.prism.flat) {
       if (!leave_flat(place, cache, from, x_m)) {
         break;
@@ -302,10 +313,13 @@ void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) no
     if (tried.inside) {
       return;
     }
+    // No coordinates: the nearest point is taken below.
     if (tried.beyond < 0) {
       break;
     }
     const Crossing over = across(cache, element_of(cache, here), tried.beyond);
+    // No way on, or back over the edge just crossed: the element's functions go on
+    // beyond its edge.
     if (over.slot < 0 || over.slot == from || !tried.area.allFinite()) {
       if (!follow_within(place, x_m)) {
         break;

@@ -113,6 +113,9 @@ void weigh_sides(const SmoothSides& sides, Blend& blend, Vector3& node_weight) {
 bool set_height(const SmoothTriangle& triangle, const SmoothSides& sides,
                 const Vector3& x, Blend& blend, SmoothPoint& point) {
   const SmoothEdges& edges = triangle.edges;
+  // s = over_m / under of the header: twist is tau, gap gamma and sag kappa, each with
+  // its part by height, which the header marks by a prime. over is (t_i - H) beta_i
+  // [m].
   Real over_m = 0.0;
   Real under = 1.0;
   for (Index i = 0; i < 3; ++i) {
@@ -149,6 +152,11 @@ struct SideRates {
 SideRates side_rates(const SmoothTriangle& triangle, const SmoothSides& sides,
                      const Blend& blend, Real s) {
   const SmoothEdges& edges = triangle.edges;
+  // With r_j = p_j + s q_j the height is s = sum_i W_i h_i, side i having
+  //   h_i = (1 - H) r_j.(x - v_j) + H r_k.(x - v_k) + (t_i - H) beta_i (tau + s tau')
+  //         - eps (gamma - s gamma') - b_i^2 (kappa - s kappa') / 2
+  // given(2, i) is h_i. of_height has W_i dh_i/dt_i and W_i dh_i/dbeta_i at held s, b_i
+  // and x. Only w_0 and w_1 are kept, because weights sum to one.
   const Vector3 own_m = blend.own_m + s * blend.own;
   SideRates rates;
   for (Index i = 0; i < 3; ++i) {
@@ -311,9 +319,13 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
   }
   const Index j = after(i);
   const Index k = after(j);
+  // Beyond a corner the tangent plane of that corner goes on.
   if (!(sides.along(i) > 0.0 && sides.along(i) < 1.0)) {
     return set_on_line(triangle, sides.along(i) > 0.0 ? k : j, x_m, point);
   }
+  // Beyond edge i: the equation of s with W_i = 1 and b_i = 0, where the third corner
+  // and kappa take no part. own, more: q_j . (x - v_j), and what q_k . (x - v_k)
+  // exceeds it by; own_m, more_m: the same of p.
   const Along at = along_edge(sides.along(i));
   const Vector3 y_j = x_m - triangle.corner_m.col(j);
   const Vector3 y_k = x_m - triangle.corner_m.col(k);
@@ -334,6 +346,8 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
   const Real s = per_under * (own_m + at.step * more_m + over * beta * edges.twist(i) -
                               at.bump * edges.gap_m(i));
   const Real twist = edges.twist(i) + s * edges.twist_by_height_per_m(i);
+  // By t_i at held s: H' of the planes, 1 - H' of the twist and eps' of the gap; by
+  // beta_i: (t_i - H) (tau + s tau'). per_under divides, because s is on both sides.
   const Real by_along = at.step_slope * (more_m + s * more) +
                         (1.0 - at.step_slope) * beta * twist -
                         at.bump_slope * (edges.gap_m(i) - s * edges.gap(i));

@@ -39,6 +39,8 @@ void FalconModel::set_dtr(bool high) {
 
 void FalconModel::take(std::uint8_t byte, std::uint16_t divisor, std::int64_t now_ns,
                        std::vector<std::uint8_t>& answer) {
+  // The line's divisor of 3 MHz says what the byte is: 312.5 (9600 baud) greets, 21
+  // loads the firmware, 2 (1.5 Mbaud) commands.
   clock_.set(now_ns);
   if (!running_ && divisor == kBootDivisor) {
     boot(byte, answer);

@@ -14,6 +14,9 @@ int FtdiChip::control(const UsbSetup& setup, std::int64_t /*now_ns*/) {
   if (setup.request_type != 0x40) {
     return -EPIPE;
   }
+  // Vendor requests of an FTDI chip: 0 reset and purge, 1 modem lines, 2 flow control,
+  // 3 divisor of the baud rate. Further 4 bits and parity, 6 event character, 9 latency
+  // [ms]. A high byte of 1 marks DTR as changed, or the event as enabled.
   switch (setup.request) {
     case 0x00:
       if (setup.value != 2) {

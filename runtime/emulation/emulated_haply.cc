@@ -20,6 +20,8 @@ int HaplyModel::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   port.clock.set(now_ns);
   port.heard.insert(port.heard.end(), bytes.begin(), bytes.end());
   for (;;) {
+    // The first byte says what comes, and so how long it is: 0 reset, 1 set-up, 2
+    // torques. A byte of another value is passed over.
     const std::uint8_t order = port.heard.empty() ? 0xFF : port.heard[0];
     const std::size_t length = order == 0   ? kHaplyResetBytes
                                : order == 1 ? kHaplySetupBytes

@@ -16,6 +16,7 @@ int Inverse3Model::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns
   port.ready_ns = now_ns + config_.answer_ns;
   port.heard.insert(port.heard.end(), bytes.begin(), bytes.end());
   while (!port.heard.empty()) {
+    // A force command, the byte that wakes up, or one byte that is passed over.
     const bool force = port.heard[0] == kInverse3Force;
     const std::size_t length = force ? kInverse3ForceBytes : 1;
     if (port.heard.size() < length) {

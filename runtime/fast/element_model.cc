@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 #include "runtime/fast/element_walk.h"
 #include "runtime/memory/relaxation_step.h"
 #include "runtime/memory/yield_step.h"
@@ -36,6 +36,7 @@ bool change_element(ElementModel& model, const ElementCache& cache,
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   const int active = cache.newest_active;
+  // Lost: beyond an edge, and the slow process has called another element active since.
   const bool lost =
       model.outside && active >= 0 &&
       triangle_in(cache, active) != triangle_in(cache, model.slot) &&
@@ -47,6 +48,8 @@ bool change_element(ElementModel& model, const ElementCache& cache,
     model.received_inside = cache.received;
     return true;
   }
+  // A newer copy of the same triangle may hold other responses; the contact point
+  // stays.
   if (news && model.slot >= 0) {
     const int newer = find(cache, triangle_in(cache, model.slot));
     if (newer != model.slot) {
@@ -201,10 +204,13 @@ void relax_before(ElementModel& model, const ElementCache& cache, SurfaceMemory&
 ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory& memory,
                         PassivityLedger& ledger, const ElementModelLimits& limits,
                         const Vector3& x_m, Real dt_s) noexcept {
+  // 1. Work of the movement under the model of the last tick, (14) of the paper.
   const Real radius = limits.tool_radius_m;
   ElementResponse response = respond_here(model, cache, x_m);
   book_work(ledger, response.potential_j());
 
+  // 2. Another element, then sliding: both move the contact point, and pin the element
+  // in use.
   const bool moved = change_element(model, cache, response, x_m, radius);
   if (model.slot < 0) {
     return response;
@@ -221,6 +227,8 @@ ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory&
   if (!model.outside) {
     model.received_inside = cache.received;
   }
+  // 3. With memory the ledger balances both before time passes. Then half the tick's
+  // time relaxes, and what the depth asks for yields.
   Real recovery_s = dt_s;
   if (remembers(memory)) {
     if (moved || slid) {
@@ -235,6 +243,7 @@ ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory&
       book_yielding(ledger, response.potential_j());
     }
   }
+  // 4. k_t, delta_0 and the account for the response as it is now.
   settle(model, cache, ledger, limits, x_m, recovery_s, response);
   return response;
 }

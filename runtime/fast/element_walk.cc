@@ -59,6 +59,10 @@ Vector3 solve_anchor(const ElementModel& model, const Vector3& x, const Vector3&
   if (prism.flat) {
     return {1.0, 0.0, 0.0};
   }
+  // One Newton step for the anchor's n_1, n_2 and the depth d = (rest - x) . u of
+  //   x - tau = rest(n) - d u(n),   rest(n) = sum n_j v_j + R n_out(n),
+  // with r what is missing. Column j is v_j - v_0 + R (n_j - n_0) - d (u_j - u_0), the
+  // blended vectors not normalised; the third is -u.
   const auto edge = [](const Matrix3& field, Eigen::Index j) {
     return Vector3(field.col(j) - field.col(0));
   };
@@ -76,12 +80,16 @@ Vector3 solve_anchor(const ElementModel& model, const Vector3& x, const Vector3&
     solved =
         solve_columns(column(e1, 1), column(e2, 2), u, r, prism.doubled_area_m2, step);
   }
+  // Beyond the element, far away, or with columns nearly dependent: normals and
+  // directions do not turn.
   if (!solved) {
     solved = solve_columns(e1, e2, u, r, prism.doubled_area_m2, step);
   }
   if (solved) {
     return model.anchor_area + Vector3(-step.sum(), step(0), step(1));
   }
+  // Where u grazes the face, or the step is too long: x - R n_out - tau, projected onto
+  // the plane.
   return triangle::area_coordinates(prism.corner_m, x - radius * model.normal - tau);
 }
 
@@ -169,6 +177,8 @@ void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
             const Vector3& tau_m, Real tool_radius_m) noexcept {
   model.starved = false;
   for (int crossed = 0;; ++crossed) {
+    // 1. The anchor for which the presliding displacement is tau; outside its triangle
+    // its plane goes on.
     const Element& element = element_of(cache, model.slot);
     const Vector3 area = solve_anchor(model, x_m, tau_m, tool_radius_m);
     const bool inside = area.minCoeff() >= -kAnchorSlack;
@@ -176,6 +186,8 @@ void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
     if (inside || crossed == kAnchorWalkMax) {
       return;
     }
+    // 2. The neighbour over the edge that is passed most; else any element at hand that
+    // lies there.
     bool border = false;
     int next = next_slot(cache, element, area, border);
     if (next < 0) {
@@ -185,6 +197,7 @@ void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
       model.starved = !border;
       return;
     }
+    // 3. From the point of that element nearest to the anchor once more.
     const Matrix3 v = corners(element_of(cache, next));
     place(model, cache, next,
           triangle::nearest_inside(v, triangle::area_coordinates(v, model.anchor_m)),

@@ -100,7 +100,7 @@ Vector3 advance_element(FastState& state, const Vector3& x, Real dt_s,
   command.in_contact = response.touching;
   command.extrapolated = response.extrapolated;
   command.starved = state.element.starved;
-  command.relaxed_shift_m = state.element.shift_m;
+  command.rest_offset_m = state.element.shift_m;
   return force_n(state.element, response);
 }
 
@@ -116,7 +116,7 @@ Vector3 advance_potential(FastState& state, const Vector3& x, Real dt_s,
   command.in_contact = response.touching;
   command.extrapolated = response.extrapolated;
   command.starved = state.potential.place.starved;
-  command.relaxed_shift_m = state.potential.shift_m;
+  command.rest_offset_m = state.potential.shift_m;
   return force;
 }
 
@@ -131,6 +131,25 @@ Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
     default:
       return advance_scalar(state, x, dt_s, command);
   }
+}
+
+ElementModelLimits field_limits(const FastConfig& config) {
+  return {config.tool_radius_m, config.recovery_m_per_s, field_kind(config.model)};
+}
+
+Vector3 advance_needle(FastState& state, const Vector3& x, const Vector3& moved,
+                       Real dt_s, FastCommand& command) {
+  // The field's own account while the field advances.
+  const PunctureRules& rules = state.config.puncture;
+  state.ledger.stored_j -= held_j(rules, state.needle);
+  const Vector3 field_n = advance_model(state, image_m(state.needle, x), dt_s, command);
+  const Vector3 force_n = advance(rules, state.needle,
+                                  {state.potential, state.cache, state.memory,
+                                   state.ledger, field_limits(state.config)},
+                                  field_n, x, moved, dt_s);
+  command.depth_m = state.potential.response.depth_m;
+  command.in_contact = command.in_contact || state.needle.active >= 0;
+  return force_n;
 }
 
 // A sum of products with zero is zero, or not a number where one of them is infinite or
@@ -209,7 +228,10 @@ const char* check(const FastConfig& config) noexcept {
   if (config.ramp_s > 0.0 && !std::isfinite(config.force_max_n)) {
     return "start-up ramp needs a finite force limit, which it raises";
   }
-  return nullptr;
+  if (config.puncture.materials > 0 && !is_field(config.model)) {
+    return "a needle needs the model potential or facets";
+  }
+  return check(config.puncture);
 }
 
 void accept(FastState& state, const Element& element) noexcept {
@@ -230,18 +252,24 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     const Vector3& x = sample.position_m;
     const Vector3 moved =
         state.sampled ? Vector3(x - state.latest.position_m) : Vector3::Zero();
+    // 1. Half the tick's time relaxes where the tool was. 2. The model follows the tool
+    // and books work and changes. 3. Limits act on the force.
     const PassivityLedger before = state.ledger;
     relax_ahead(state, dt_s);
     state.relaxed_ahead = false;
-    const Vector3 wanted = advance_model(state, x, dt_s, command);
+    const Vector3 wanted = is_needle(state.config.puncture)
+                               ? advance_needle(state, x, moved, dt_s, command)
+                               : advance_model(state, x, dt_s, command);
     command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
                                 wanted, moved, dt_s);
+    // A force that is not a number leaves the account as the last tick left it.
     if (state.safety.fault == Fault::kNotFinite) {
       state.ledger = before;
     }
     state.latest = sample;
     state.sampled = true;
   }
+  // A fault of this tick or of one before commands zero force.
   if (state.safety.fault != Fault::kNone) {
     command = {};
     state.safety.force_n.setZero();
@@ -297,13 +325,14 @@ std::int32_t active_triangle(const FastState& state) noexcept {
 FastContact contact(const FastState& state) noexcept {
   FastContact at;
   at.time_ns = state.latest.time_ns;
-  at.tool_m = state.latest.position_m;
+  at.tool_m = image_m(state.needle, state.latest.position_m);
   at.in_contact = state.in_contact;
   const bool field = is_field(state.config.model);
   const FieldPlace& place = state.potential.place;
   const int used = used_slot(state);
   if (used >= 0) {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
+    // Normal: sum w_j n_j, made a unit. Point: sum w_j v_j, or foot_m() of the field.
     const Vector3& weight = field ? place.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
       const Real part = weight(static_cast<Eigen::Index>(j));
@@ -352,7 +381,9 @@ Real potential_j(const FastState& state, const Vector3& x_m) noexcept {
   }
   if (is_field(state.config.model)) {
     return moved_energy_j(state.potential, state.cache, state.memory,
-                          state.config.tool_radius_m, x_m);
+                          state.config.tool_radius_m, image_m(state.needle, x_m)) +
+           moved_held_j(state.config.puncture, state.needle,
+                        x_m - state.latest.position_m);
   }
   return energy_j(state.scalar, scalar_depth_m(state, x_m));
 }

@@ -24,6 +24,7 @@
 #include "runtime/element/element.h"
 #include "runtime/element/element_cache.h"
 #include "runtime/fast/element_model.h"
+#include "runtime/fast/needle_step.h"
 #include "runtime/fast/potential_model.h"
 #include "runtime/memory/surface_memory.h"
 #include "runtime/paper/scalar_model.h"
@@ -39,6 +40,7 @@ struct FastConfig {
   Real recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
   /// [s] [0, inf) from the start until force_max_n, then finite, is allowed
   Real ramp_s = 0.0;
+  PunctureRules puncture = {};  ///< of a needle, on a potential field alone
 };
 
 /// Null if the configuration is valid, else what is wrong with it, one line.
@@ -58,7 +60,7 @@ struct FastCommand : TickAccount {
 /// Where the fast process is: what it tells the slow one after a step.
 struct FastContact {
   std::int64_t time_ns = 0;           ///< [ns] of the sample
-  Vector3 tool_m = Vector3::Zero();   ///< [m] tool reference point
+  Vector3 tool_m = Vector3::Zero();   ///< [m] tool reference point, or its image
   Vector3 point_m = Vector3::Zero();  ///< [m] x_c
   Vector3 normal = Vector3::Zero();   ///< [-] there, outward unit; or 0
   std::int32_t triangle = -1;         ///< active triangle; -1 before the first
@@ -89,6 +91,7 @@ struct FastState {
   ScalarModel scalar;       ///< along element.direction, from element.rest_m
   bool update_due = false;  ///< an active element came: scalar models update
   SurfaceMemory memory;
+  NeedleState needle;
   bool relaxed_ahead = false;  ///< relax_ahead() has begun the coming tick
   PassivityLedger ledger;
   SafetyState safety;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 #include "runtime/memory/relaxation_step.h"
 #include "runtime/memory/yield_step.h"
 
@@ -111,6 +111,8 @@ Real move_field(PotentialModel& model, const FieldView& view, const Vector3& x) 
   const Rendered before = rendered(model);
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
   Real energy = -1.0;
+  // Beyond its element the field goes on as that element's functions: what was
+  // rendered, exactly.
   if (place.outside) {
     FieldPlace within = place;
     if (follow_within(within, x)) {
@@ -120,6 +122,9 @@ Real move_field(PotentialModel& model, const FieldView& view, const Vector3& x) 
   follow(place, view.cache, x);
   model.response = respond_at_new_place(model, view);
   model.tool_m = x;
+  // Sound before and after: one function of the place, unless its energy leaps to
+  // another sheet. With memory the part of the force along the surface comes late, and
+  // is made before it is judged.
   if (sound && !place.folded) {
     bool leaps = leapt(before.response, model.response, moved);
     if (leaps && model.contact.remembers) {
@@ -149,9 +154,12 @@ bool change_field_element(PotentialModel& model, const FieldView& view, FieldKin
   const int here = model.place.slot;
   const bool another = active >= 0 && (here < 0 || triangle_in(cache, active) !=
                                                        triangle_in(cache, here));
+  // Lost: beyond an edge, and the slow process has found the active element since.
   const bool lost =
       model.place.outside && active >= 0 &&
       cache.stored_at[static_cast<std::size_t>(active)] > model.received_inside;
+  // Another element may have another potential here: only in free space, or where the
+  // own one is lost.
   if (another && (here < 0 || !model.response.touching || lost)) {
     model.spring = {};
     model.tool_m = x;
@@ -295,16 +303,43 @@ void relax_before(PotentialModel& model, const ElementCache& cache,
   relax_field(model, {cache, memory, &memory, tool_radius_m}, ledger, half_s);
 }
 
+void ask_at(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+            Real tool_radius_m, const Vector3& x_m) noexcept {
+  model.tool_m = x_m;
+  if (model.place.slot < 0) {
+    return;
+  }
+  const FieldView view{cache, memory, &memory, tool_radius_m};
+  follow(model.place, cache, x_m);
+  cache.pinned = model.place.slot;
+  model.response = respond_at_new_place(model, view);
+  if (model.contact.remembers) {
+    model.response.force_n =
+        whole_force_n(model.place, cache, model.contact, model.response);
+  }
+}
+
+void book_image(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const ElementModelLimits& limits) noexcept {
+  const Real held_j = model.response.energy_j + model.spring.energy_j();
+  if (held_j <= ledger.stored_j) {
+    book_yielding(ledger, held_j);
+  }
+  settle_field(model, {cache, memory, &memory, limits.tool_radius_m}, ledger, 0.0);
+}
+
 Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
                 PassivityLedger& ledger, const ElementModelLimits& limits,
                 const Vector3& x_m, Real dt_s) noexcept {
   const FieldView view{cache, memory, &memory, limits.tool_radius_m};
+  // 1. Work of the movement under the model of the last tick, (14) of the paper.
   Real moved_j = 0.0;
   if (model.place.slot >= 0) {
     model.spring.follow(x_m - model.tool_m, model.place.normal);
     moved_j = move_field(model, view, x_m);
     book_work(ledger, moved_j + model.spring.energy_j());
   }
+  // 2. The newest element that is allowed; the cache keeps the one in use.
   const bool changed = change_field_element(model, view, limits.field, x_m);
   if (model.place.slot < 0) {
     return Vector3::Zero();
@@ -313,6 +348,8 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   if (!model.place.outside) {
     model.received_inside = cache.received;
   }
+  // 3. With memory the ledger balances both before time passes. Then half the tick's
+  // time relaxes, and what the depth asks for yields.
   Real recovered_m = limits.recovery_m_per_s * dt_s;
   if (remembers(memory)) {
     if (changed || moved_j != model.response.energy_j) {
@@ -321,6 +358,7 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
     relax_field(model, view, ledger, 0.5 * dt_s);
     yield_here(model, view, ledger);
   }
+  // 4. Friction, delta_0 and the account for the response as it is now.
   settle_field(model, view, ledger, recovered_m);
   if (model.contact.remembers) {
     model.response.force_n =

@@ -62,6 +62,16 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
                 PassivityLedger& ledger, const ElementModelLimits& limits,
                 const Vector3& x_m, Real dt_s) noexcept;
 
+/// The field is asked at another place, and the tool has not moved: a channel deepens,
+/// is entered, or left. Nothing is booked. @param x_m finite.
+void ask_at(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+            Real tool_radius_m, const Vector3& x_m) noexcept;
+
+/// Books the place that was asked last: what it holds less than what is stored is gone,
+/// as yielded; what it holds more is paid.
+void book_image(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const ElementModelLimits& limits) noexcept;
+
 /// Energy of the model with the tool moved to x_m [J], before anything changes.
 [[nodiscard]] Real moved_energy_j(PotentialModel model, const ElementCache& cache,
                                   const SurfaceMemory& memory, Real tool_radius_m,

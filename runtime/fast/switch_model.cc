@@ -18,6 +18,15 @@ void switch_model(FastState& state, LocalModel model) noexcept {
   } else {
     book_change(ledger, 0.0, allowance_j(ledger));
   }
+  // A needle is held by nothing any more, and by a model without a field never again.
+  if (Channel* in =
+          state.needle.active < 0
+              ? nullptr
+              : &state.needle.channel[static_cast<std::size_t>(state.needle.active)]) {
+    let_go(*in);
+    state.needle.active = -1;
+  }
+  state.config.puncture = is_field(model) ? state.config.puncture : PunctureRules{};
   state.config.model = model;
   state.element = {};
   state.potential = {};

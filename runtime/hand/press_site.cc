@@ -56,6 +56,22 @@ double depth_within(const CurveView& curve, double depth_m, double force_n) {
   return within;
 }
 
+// A needle is inserted in two goes, past the beginning of the last layer below the node
+// by what its curve has computed, with a rest between them, and withdrawn.
+void insert(HandScript& script, const Puncture& puncture, std::int32_t node,
+            double depth_max_m) {
+  constexpr double kFirstGo = 0.6;
+  const Eigen::Index row = puncture.layer_depth_m.rows() == 1 ? 0 : node;
+  double last_m = 0.0;
+  for (Eigen::Index k = 0; k < puncture.layer_depth_m.cols(); ++k) {
+    const double begins_m = puncture.layer_depth_m(row, k);
+    last_m = std::isfinite(begins_m) ? std::max(last_m, begins_m) : last_m;
+  }
+  script.deeper_m = last_m + depth_max_m;
+  script.press_m = kFirstGo * script.deeper_m;
+  script.circle_m = 0.0;
+}
+
 }  // namespace
 
 std::int32_t node_to_press(const ResponseDatabase& database, const ResponseTable& table,
@@ -70,6 +86,8 @@ std::int32_t node_to_press(const ResponseDatabase& database, const ResponseTable
     if (!has_response(table, v)) {
       continue;
     }
+    // Nearest to the wanted place; without one, most edges away from the rim of the
+    // responses. The higher node decides between equals.
     const double score = at_m ? -(position.row(v).transpose() - *at_m).norm()
                               : static_cast<double>(edges[static_cast<std::size_t>(v)]);
     const double height = position(v, 2);
@@ -112,6 +130,9 @@ HandScript script_at(const ResponseDatabase& database, const ResponseTable& tabl
   script.circle_m = 1.5 * mean_edge_m(database.body);
   if (smallest_side > 0.0) {
     script.circle_m = std::min(script.circle_m, 0.05 * smallest_side);
+  }
+  if (!table.puncture.empty()) {
+    insert(script, table.puncture, node, curve.depth_max_m());
   }
   return script;
 }

@@ -151,7 +151,7 @@ void EmulatedInverse::Parts::obey(const std::string& text) {
     force_n = Eigen::Vector3d::Zero();
   }
   push(*force_n);
-  if (!std::exchange(told, told || gone || is_faulty(InverseFault::kEvent))) {
+  if (!std::exchange(reported, reported || gone || is_faulty(InverseFault::kEvent))) {
     if (is_faulty(InverseFault::kUnplugged)) {
       tell(R"({"name":"device-disconnected","category":"device","level":"warning",)"
            R"("data":{"device_family":"inverse","device_id":")" +

@@ -63,7 +63,7 @@ struct EmulatedInverse::Parts {
   std::string refused;
   std::vector<MotorRecord> trace;
   const char* key = nullptr;
-  bool told = false;
+  bool reported = false;
   std::int64_t idle_due_ns = kNever;  // when the force ends
   int wake = -1;
   int states = -1;

@@ -216,6 +216,8 @@ const char* scan_inverse_state(std::string_view text, std::string_view id,
     return "a message of more than 64 KiB";
   }
   JsonCursor json(text);
+  // {"inverse3": [device ...], "verse_grip": [grip ...], "wireless_verse_grip": [grip
+  // ...]}, other fields passed over. Grips by wire and without are one list.
   constexpr std::array<std::string_view, 3> kLists{"inverse3", "verse_grip",
                                                    "wireless_verse_grip"};
   std::array<bool, kLists.size()> listed{};
@@ -273,6 +275,7 @@ const char* scan_inverse_event(std::string_view text, InverseEvent& event) noexc
 
 const char* fault_of(const InverseEvent& event, std::string_view id) noexcept {
   const std::string_view name = event.name.view();
+  // An event that names no device counts for each.
   if (!event.device_id.view().empty() && event.device_id.view() != id) {
     return nullptr;
   }
@@ -298,6 +301,7 @@ const char* fault_of(const InverseEvent& event, std::string_view id) noexcept {
   if (type == "stability_ceiling") {
     return "its safety was triggered: stability ceiling";
   }
+  // Safety of another type is a fault unless its level is low.
   const std::string_view level = event.level.view();
   return level == "info" || level == "notice" ? nullptr : "its safety was triggered";
 }
@@ -346,6 +350,8 @@ std::size_t write_inverse_command(std::span<char> into, std::string_view id,
   const auto put = [&at](std::string_view text) {
     at = std::copy(text.begin(), text.end(), at);
   };
+  // {"session": ..., "inverse3": [{"device_id": ID, "commands": {"set_cursor_force":
+  // {KEY: {"x": FX, "y": FY, "z": FZ}}}}]}, forces in N with nine digits.
   put("{");
   if (!profile.empty()) {
     put(R"("session":{"configure":{"profile":{"name":")");

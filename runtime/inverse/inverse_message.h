@@ -1,4 +1,4 @@
-// What the Haply Inverse service says and is told, as JSON: of every message the few
+// What the Haply Inverse service says and hears, as JSON: of every message the few
 // fields that matter, in fixed memory. Whoever holds the port may say anything: what is
 // not right is refused in whole.
 //

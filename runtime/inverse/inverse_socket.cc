@@ -97,6 +97,7 @@ bool InverseSocket::send(std::string_view text, std::int64_t deadline_ns) noexce
 // Half a frame that stays would spoil all that follow: then the connection is lost.
 bool InverseSocket::send_frame(FrameOpcode opcode, std::span<const char> payload,
                                std::int64_t deadline_ns) noexcept {
+  // A client masks every frame by four fresh bytes (RFC 6455, 5.3).
   FrameMask mask{};
   for (char& byte : mask) {
     byte = static_cast<char>(mask_() >> 8U);

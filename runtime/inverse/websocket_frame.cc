@@ -22,6 +22,10 @@ std::size_t write_frame(std::span<char> to, FrameOpcode opcode, bool last,
     to[size++] = static_cast<char>(byte);
   };
   const std::size_t masked = mask == nullptr ? 0 : 0x80;
+  // RFC 6455, section 5.2, big-endian:
+  //   byte 0     FIN (0x80), opcode (low four bits)
+  //   byte 1     MASK (0x80), length; 126: two bytes of length follow, 127: eight
+  //   then       those bytes, the mask's four if MASK is set, the payload
   put((last ? 0x80U : 0U) | code(opcode));
   if (payload.size() < 126) {
     put(masked | payload.size());
@@ -38,6 +42,7 @@ std::size_t write_frame(std::span<char> to, FrameOpcode opcode, bool last,
   }
   size = static_cast<std::size_t>(
       std::copy(mask->begin(), mask->end(), to.data() + size) - to.data());
+  // Section 5.3: byte i is combined with mask byte i mod 4.
   for (std::size_t i = 0; i < payload.size(); ++i) {
     to[size++] = static_cast<char>(payload[i] ^ (*mask)[i % 4]);
   }
@@ -71,6 +76,8 @@ FrameRead WebsocketReader::read() noexcept {
   const bool last = (byte(0) & 0x80U) != 0;
   std::uint64_t length = byte(1) & 0x7FU;
   const std::size_t extra = length == 126 ? 2 : length == 127 ? 8 : 0;
+  // Refused: reserved bits, a mask where none is due or none where one is, and control
+  // frames in fragments or of more than 125 bytes (5.5).
   if ((byte(0) & 0x70U) != 0 || ((byte(1) & 0x80U) != 0) != masked_ ||
       (opcode >= kControl && (!last || extra > 0))) {
     return refuse(CloseCode::kProtocol, "a frame that is none of the protocol's");
@@ -85,6 +92,7 @@ FrameRead WebsocketReader::read() noexcept {
       length = length << 8U | byte(2 + i);
     }
   }
+  // Before the payload has come, so that arrived_ holds any frame that is accepted.
   if (length > message_.size()) {
     return refuse(CloseCode::kTooLong, kTooLong);
   }
@@ -111,6 +119,8 @@ FrameRead WebsocketReader::take(unsigned opcode, bool last,
   if (opcode == code(FrameOpcode::kClose)) {
     return FrameRead::kClose;
   }
+  // A message is one text frame and then continuations, to the frame with FIN. Control
+  // frames may lie between (5.4).
   if (opcode !=
       code(message_begun_ ? FrameOpcode::kContinuation : FrameOpcode::kText)) {
     return refuse(CloseCode::kNoText, "a message that is no text");

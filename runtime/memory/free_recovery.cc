@@ -47,6 +47,8 @@ Real root(const RelaxationTimes& times, const TermValues& g, Eigen::Index r) {
   while (next < times.terms && !(g(next) > kNoShare)) {
     ++next;
   }
+  // lambda_r = (zeta_r - 1) / tau_r, so that zeta_k = 1 - (1 - zeta_r) tau_k / tau_r.
+  // The pole of the next term, zeta_next = 0, is at zeta_r = 1 - tau_r / tau_next.
   Real low = 0.0;
   Real high = next < times.terms ? 1.0 - tau(r) / tau(next) : Real(1.0);
   Real zeta = 0.5 * high;
@@ -60,6 +62,7 @@ Real root(const RelaxationTimes& times, const TermValues& g, Eigen::Index r) {
         slope += g(k) * (tau(k) / tau(r)) / (z * z);
       }
     }
+    // Newton's method where it stays in the bracket, else its middle.
     (value < 0.0 ? low : high) = zeta;
     const Real newton = zeta - value / slope;
     const Real now = newton > low && newton < high ? newton : 0.5 * (low + high);
@@ -90,16 +93,19 @@ TermValues recovered_freely(const RelaxationTimes& times, const TermValues& rela
   if (!(most > 0.0) || !(time_s > 0.0)) {
     return relaxed_n;
   }
+  // For short times sums of nearly equal exponentials lose digits; the series does not.
   if (time_s * times.rate_hz(0) <= kShort) {
     return recovered_soon(times, relaxed_n, relaxing, time_s);
   }
   const TermValues x = time_s * times.rate_hz;
+  // q_k(t) = q_k(0) e^(-t/tau_k) + sum_r c_r (e^(lambda_r t) - e^(-t/tau_k)) / zeta_rk.
   TermValues after = relaxed_n * (-x).exp();
   for (Eigen::Index r = 0; r < times.terms; ++r) {
     if (!(relaxing(r) > kNoShare)) {
       continue;
     }
     const Real zeta_r = root(times, relaxing, r);
+    // c_r = along / length, left = g_k tau_k / zeta_rk the left eigenvector's entry.
     Real along = 0.0;
     Real length = 0.0;
     for (Eigen::Index k = 0; k < times.terms; ++k) {
@@ -115,6 +121,7 @@ TermValues recovered_freely(const RelaxationTimes& times, const TermValues& rela
       after(k) += along / length * mode((zeta_r - 1.0) * x(r), z, x(k));
     }
   }
+  // Every q_k stays in [0, largest q], for s = sum g_k q_k with sum g_k <= 1 does.
   return after.max(Real(0.0)).min(most);
 }
 

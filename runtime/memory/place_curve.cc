@@ -103,11 +103,13 @@ CurvePiece bundle_piece(const PlaceCurve& curve, std::size_t j, int bundle, Real
   const auto b = static_cast<std::size_t>(bundle);
   const auto& cut = curve.nodes.cut[j];
   const BundleCut& from = cut[b];
+  // The bundle's springs are not touched yet.
   if (!(e > from.depth_m)) {
     return {.from_m = 0.0, .to_m = from.depth_m};
   }
   CurvePiece piece;
   if (bundle + 1 == curve.nodes.bundles || e <= cut[b + 1].depth_m) {
+    // Between its cuts: f(e) - f(g_b) - f'(g_b) (e - g_b).
     piece = whole_piece(curve, j, e);
     if (piece.from_m < from.depth_m) {
       piece = begun_at(piece, from.depth_m);
@@ -118,6 +120,8 @@ CurvePiece bundle_piece(const PlaceCurve& curve, std::size_t j, int bundle, Real
     take_off(piece, from);
     return piece;
   }
+  // Past them all springs are in contact: straight on with the slope f'(g_{b+1}) -
+  // f'(g_b).
   const BundleCut& to = cut[b + 1];
   piece = {.from_m = to.depth_m,
            .to_m = std::numeric_limits<Real>::infinity(),
@@ -196,6 +200,7 @@ PlaceNodes make_place_nodes(const Element& element, const std::array<Real, 3>& l
     nodes.lean[j] = node.samples > 0 ? lean[j] : Real(0.0);
     nodes.falls[j] = !std::is_sorted(curve.force_n.begin(), curve.force_n.end());
     nodes.any_falls = nodes.any_falls || nodes.falls[j];
+    // f, f' and E at cut g_b. Bundle 0 begins at 0 with slope 0, a cut of 0 likewise.
     for (int b = 1; b < nodes.bundles && node.samples > 0; ++b) {
       const auto at = static_cast<std::size_t>(b);
       const Real g = element.memory.node[j].cut_m[at - 1];
@@ -275,6 +280,7 @@ CurveInverse search_inverse(const PlaceCurve& curve, int bundle, Real force_n,
   if (!(force_n > 0.0) || !(most_m > low)) {
     return {.depth_m = low};
   }
+  // p(low) <= q <= p(high), for p does not fall.
   Real high = most_m;
   Real y = near_m > low && near_m < high ? near_m : 0.5 * (low + high);
   for (int i = 0; i < kSolveMax; ++i) {
@@ -283,6 +289,7 @@ CurveInverse search_inverse(const PlaceCurve& curve, int bundle, Real force_n,
     if (find_within(cubic, force_n, found)) {
       return {found, cubic.energy_at(found)};
     }
+    // Newton's method where it stays in the bracket, else its middle.
     const Real missing = force_n - cubic.force_n;
     (missing > 0.0 ? low : high) = y;
     const Real newton = y + missing / cubic.stiffness_n_per_m;

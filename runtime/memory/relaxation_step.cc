@@ -62,6 +62,8 @@ Real shortened(RelaxingContact& contact, const SurfaceMemory& memory,
     }
     return risen;
   };
+  // Halving for the largest part of the time whose rise of u is paid: it is at `low`.
+  // The rise is not proportional to the time, so that no quotient gives it.
   Real low = 0.0;
   Real high = 1.0;
   for (int i = 0; i < kShortenMax; ++i) {
@@ -72,6 +74,7 @@ Real shortened(RelaxingContact& contact, const SurfaceMemory& memory,
   if (low > 0.0 && double{risen} <= paid_j) {
     return risen;
   }
+  // Nothing can be paid: the step is left out.
   undo(contact, step);
   return 0.0;
 }
@@ -126,15 +129,18 @@ Real pass_time(SurfaceMemory& memory, Real half_s) noexcept {
 
 void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& ledger,
            const ElementCache& cache, Real y_m, Real time_s) noexcept {
+  // 1. The memory at hand is brought up to the surface's time, and the response to y.
   if (contact.sites.time_s < memory.time_s) {
     read_memory(contact, memory, contact.place_weight, contact.place_turn);
     (void)respond(contact, cache, y_m);
   } else if (contact.tool_m != y_m) {
     (void)respond(contact, cache, y_m);
   }
+  // 2. Energy that was left behind in this dent pays for it again.
   if (!(ledger.dent_j > 0) && ledger.left_j > 0) {
     settle_dent(contact, memory, ledger, cache);  // come back to
   }
+  // 3. The step: p_0 is held, every q_k moves towards it.
   memory.time_s += static_cast<double>(time_s);
   contact.sites.time_s = memory.time_s;
   RelaxingStep step;
@@ -143,6 +149,7 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     risen_j += bundle_step_j(contact, memory, cache, step, b, time_s);
   }
+  // 4. u may rise by what the dent has; the step is shortened to that.
   const double short_j = double{risen_j} - ledger.dent_j;
   if (short_j > kShortJ) [[unlikely]] {
     risen_j = shortened(contact, memory, cache, step, time_s, ledger.dent_j);
@@ -154,6 +161,7 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   }
   book_relaxing(ledger, double{risen_j}, write_bundles(contact, step));
   settle_dent(contact, memory, ledger, cache);
+  // 5. Energy of dents elsewhere goes with the time.
   recover_left(memory, contact.sites.place_relaxing.value, ledger, time_s);
 }
 

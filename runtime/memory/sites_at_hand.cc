@@ -71,6 +71,8 @@ struct Movers {
 // Those that would pass the target arrive there; the others share what is left.
 void share_out(Movers& movers, Real target_n, Real missing_n) {
   while (movers.count > 0) {
+    // Site i moves by kappa m_i way_i. The blend moves by kappa sum m_i^2 way_i, which
+    // is to be missing_n. So kappa = missing_n / reach.
     Real reach = 0.0;
     Real heaviest = 0.0;
     for (std::size_t i = 0; i < movers.count; ++i) {
@@ -84,6 +86,8 @@ void share_out(Movers& movers, Real target_n, Real missing_n) {
       }
       return;
     }
+    // kappa m_i > 1 would pass the target. Such a site takes its whole way, m_i way_i
+    // of what is missing; kappa of the others is larger then.
     std::size_t kept = 0;
     for (std::size_t i = 0; i < movers.count; ++i) {
       if (kappa * movers.weight[i] <= 1.0) {
@@ -123,6 +127,7 @@ SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
                      const SurfaceMemory& memory) noexcept {
   SitesAtHand sites;
   sites.time_s = memory.time_s;
+  // m_ij: a site that several corners read stands once, with a share of each.
   for (std::size_t j = 0; j < 3; ++j) {
     const NodeMemory& node = element.memory.node[j];
     for (std::size_t n = 0; n < kNodeSites; ++n) {
@@ -138,6 +143,7 @@ SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
   for (std::size_t i = 0; i < sites.count; ++i) {
     const auto& share = sites.share[i];
     const auto& g = sites.corner_relaxing;
+    // A site goes back alone with g_k, the mean of the corners' by their shares m_ij.
     sites.relaxing[i] = (share[0] * g[0] + share[1] * g[1] + share[2] * g[2]) /
                         (share[0] + share[1] + share[2]);
     recall(sites, i, until_now, memory);

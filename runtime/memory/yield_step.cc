@@ -18,6 +18,8 @@ using SiteRows = std::array<int, kSitesAtHand>;
 // Raises values until their blend is the target or all are there; none passes it.
 void raise(const SitesAtHand& sites, const SiteRows& row, Real target,
            SiteValues& value) {
+  // Sites move along the gradient of the blend sum m_i v_i: v_i += step m_i. The blend
+  // then rises by step sum m_i^2, which is to be what is missing.
   std::array<std::size_t, kSitesAtHand> mover{};
   std::size_t movers = 0;
   for (std::size_t i = 0; i < sites.count; ++i) {
@@ -36,6 +38,8 @@ void raise(const SitesAtHand& sites, const SiteRows& row, Real target,
       return;
     }
     const Real step = missing / squares;
+    // Sites that would pass the target arrive at it; the others share what is left
+    // anew.
     std::size_t kept = 0;
     for (std::size_t n = 0; n < movers; ++n) {
       const std::size_t i = mover[n];
@@ -98,6 +102,7 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
   if (!contact.remembers || !contact.yielding.any) {
     return false;
   }
+  // 1. What a first press to y would have left: D = r max(0, y - Y), and m = y.
   const Real y = contact.tool_m;
   const YieldingPlace before = contact.yielded;
   const Real dent_m = before.asked_dent_m(y);
@@ -107,6 +112,7 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
   if (!deepens && !softens) {
     return false;
   }
+  // 2. u before it. A tool that is lifted off leaves nothing.
   const RelaxedResponse held = response_of(contact, cache);
   if (!held.touched) {
     return false;
@@ -114,6 +120,7 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
   SitesAtHand& sites = contact.sites;
   const SiteValues dents_m = sites.dent_m;
   const SiteValues softened_m = sites.softened_m;
+  // 3. Both are raised at the sites that have a row in the table.
   const SiteRows row = claim(sites, yielded_of(memory));
   if (deepens) {
     raise(sites, row, dent_m, sites.dent_m);
@@ -123,6 +130,8 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
     look_anew(contact);
   }
   read_yielded(contact);
+  // 4. u after it, which falls by the proof in the header; a rise is rounding, and
+  // undone.
   const RelaxedResponse eased = respond(contact, cache, y);
   if (eased.energy_j > held.energy_j) {
     sites.dent_m = dents_m;

@@ -109,11 +109,14 @@ void update(ScalarModel& model, PassivityLedger& ledger,
     case LocalModel::kFacets:
       break;
   }
+  // Slow values i and i - 1 of (20), and their distance in time for the first-order
+  // hold.
   model.before = model.latest;
   model.latest = slow;
   model.interval_s = model.updates > 0 ? model.since_s : 0.0;
   model.since_s = 0.0;
   model.updates = std::min(model.updates + 1, 2);
+  // Held forces have no allowance: what the new one stores, f x, is booked as it is.
   if (holds(model)) {
     book_change(ledger, energy_j(model, slow.x_m), 0.0);
   }

@@ -42,9 +42,9 @@ void advance(ScalarModel& model, PassivityLedger& ledger, Real x_m, Real dt_s) n
 /// A slow value arrives, computed where the tool is; advance() has booked the work of
 /// getting there, so ledger.stored_j is E_{i-1}(x_i).
 ///
-/// Equal energy: k by (20), c by (22). k stays where x did not move. k also stays where
-/// (20) is not between 0 and ten times the larger of the two tangents. There the force
-/// changed for another reason than x. Free space by (24). There is no tank.
+/// Equal energy: k by (20), c by (22). k stays where x did not move, or (20) is not
+/// positive: there the force changed for another reason than x. k is at most the larger
+/// of the two tangents. Free space by (24). There is no tank.
 ///
 /// Energy tank: the curve of the slow value. If that costs more than the allowance, the
 /// curve is moved deeper until it holds what is allowed. Then the force is lower, and

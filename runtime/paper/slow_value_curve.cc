@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/account/relaxed_shift.h"
+#include "runtime/account/rest_offset.h"
 
 namespace palpate {
 namespace {

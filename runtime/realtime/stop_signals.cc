@@ -20,7 +20,7 @@ void on_stop_signals(void (*action)(int)) {
 
 }  // namespace
 
-const std::atomic<bool>& heed_stop_signals() {
+const std::atomic<bool>& stop_signals() {
   on_stop_signals(take_stop_signal);
   return stop_requested;
 }

@@ -7,9 +7,9 @@ namespace palpate {
 
 /// From now on SIGINT, SIGTERM and SIGHUP set what is returned instead of ending the
 /// process.
-[[nodiscard]] const std::atomic<bool>& heed_stop_signals();
+[[nodiscard]] const std::atomic<bool>& stop_signals();
 
-/// As a signal would, from within: sets what heed_stop_signals() returns.
+/// As a signal would, from within: sets what stop_signals() returns.
 void request_stop() noexcept;
 
 /// From now on they end the process again.

@@ -28,7 +28,7 @@ struct HandSeen {
 struct ContactsSeen {
   std::array<HandSeen, kPortsMax> hand;
   std::int32_t count = 0;  ///< [0, kContactsMax]
-  bool hung = false;       ///< there is a coupling
+  bool held = false;       ///< there is a coupling
   bool scaled = false;     ///< C is not whole (coupled_contacts.h)
   std::array<BodyContact, kContactsMax> contact;
 };

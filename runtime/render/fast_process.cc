@@ -33,7 +33,7 @@ bool FastProcess::tick(std::int64_t skipped) noexcept {
   tell_withheld(reading);
   const WrenchCommand command = timed_step(reading);
   if (withheld_ && raised == 0 && body_.fault() == Fault::kEnergy) {
-    // A recording does not hold what the driver withheld: its replay is told.
+    // A recording does not hold what the driver withheld: its replay needs them.
     raised = static_cast<std::uint8_t>(Fault::kEnergy);
   }
   bool placed = true;
@@ -209,7 +209,7 @@ void FastProcess::account(const HandReadings& reading,
   r.dissipated_j = command.dissipated_j;
   r.tank_j = command.tank_j;
   r.tank_max_j = std::max(r.tank_max_j, command.tank_j);
-  r.relaxed_shift_max_m = std::max(r.relaxed_shift_max_m, command.relaxed_shift_m);
+  r.rest_offset_max_m = std::max(r.rest_offset_max_m, command.rest_offset_m);
   body_.account(command, r);
   r.duration_s = seconds_in(reading[0].time_ns - first_ns_);
   r.elements_dropped = body_.dropped();
@@ -256,7 +256,7 @@ void FastProcess::record(const HandReadings& reading, const WrenchCommand& comma
       .stored_j = command.stored_j,
       .tank_j = command.tank_j,
       .dissipated_j = command.dissipated_j,
-      .relaxed_shift_m = command.relaxed_shift_m,
+      .rest_offset_m = command.rest_offset_m,
       .triangle = body_.triangle(),
       .flags = flags,
       .raised = raised,

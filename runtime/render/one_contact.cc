@@ -9,12 +9,32 @@
 
 namespace palpate {
 
+namespace {
+
+NeedleReport needle_report(const NeedleState& needle) {
+  NeedleReport r{.punctures = true,
+                 .channels = needle.channels,
+                 .broken = needle.broken,
+                 .refused = needle.refused,
+                 .crack_j = needle.crack_j,
+                 .released_j = needle.released_j,
+                 .shaft_j = needle.shaft_j};
+  for (std::int32_t i = 0; i < needle.channels; ++i) {
+    r.deepest_m = std::max<double>(r.deepest_m,
+                                   needle.channel[static_cast<std::size_t>(i)].depth_m);
+  }
+  return r;
+}
+
+}  // namespace
+
 OneContact::OneContact(const FastConfig& config, ElementSender& stream)
     : stream_(stream) {
-  if (const char* wrong = check(config)) {
+  state_.config = config;
+  state_.config.puncture = stream.puncture();
+  if (const char* wrong = check(state_.config)) {
     throw InputError(fmt::format("fast step: {}", wrong));
   }
-  state_.config = config;
 }
 
 bool OneContact::take_in(ArrivalRecord& arrival) noexcept {
@@ -58,6 +78,9 @@ void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexce
 
 void OneContact::account(const WrenchCommand& command,
                          RenderReport& report) const noexcept {
+  if (is_needle(state_.config.puncture)) {
+    report.needle = needle_report(state_.needle);
+  }
   if (!remembers(state_.memory)) {
     return;
   }
@@ -85,9 +108,13 @@ std::optional<std::size_t> OneContact::serve(std::int64_t now_ns) {
 void OneContact::restart() noexcept {
   const FastConfig config = state_.config;
   kept_ = state_.memory.yielded;
+  NeedleState needle = state_.needle;
   std::construct_at(&state_);
   state_.config = config;
   state_.memory.yielded = kept_;
+  needle.active = -1;
+  std::for_each(needle.channel.begin(), needle.channel.end(), let_go);
+  state_.needle = needle;
   // What is under way is of the place before.
   while (exchange_->elements.front() != nullptr) {
     exchange_->elements.pop();

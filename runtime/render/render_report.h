@@ -12,11 +12,23 @@
 #include <Eigen/Geometry>
 
 #include "formats/recording/surface_state.h"
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/realtime/step_histogram.h"
 
 namespace palpate {
+
+/// What a needle did.
+struct NeedleReport {
+  bool punctures = false;     ///< the tool is a needle
+  std::int32_t channels = 0;  ///< that it has opened
+  std::uint64_t broken = 0;   ///< membranes
+  std::uint64_t refused = 0;  ///< ticks in which no channel was free
+  double deepest_m = 0.0;     ///< [m] of any channel
+  double crack_j = 0.0;       ///< [J] spent on new surface
+  double released_j = 0.0;    ///< [J] set free by ruptures beyond that
+  double shaft_j = 0.0;       ///< [J] dissipated along and across the shaft
+};
 
 struct RenderReport {
   std::int64_t ticks = 0;               ///< fast steps
@@ -58,9 +70,10 @@ struct RenderReport {
   bool yields = false;            ///< the body leaves dents or softens
   double yielded_j = 0.0;         ///< [J] dissipated by it
   std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
-  std::vector<YieldedRow> surface;           ///< what has yielded, at the end
-  double relaxed_shift_max_m = 0.0;          ///< [m] most that the ledger had to take
-  std::optional<HungAccount> coupling = {};  ///< of a tool that hangs by one
+  NeedleReport needle;            ///< of a tool that punctures
+  std::vector<YieldedRow> surface;  ///< what has yielded, at the end
+  double rest_offset_max_m = 0.0;   ///< [m] most that the ledger had to take
+  std::optional<VirtualToolAccount> coupling = {};  ///< of a tool that hangs by one
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time
   Fault fault = Fault::kNone;

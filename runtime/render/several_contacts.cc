@@ -106,9 +106,9 @@ SeveralContacts::SeveralContacts(std::shared_ptr<ContactSender> stream,
   if (!held.coupling) {
     return;
   }
-  hung_ = std::make_unique<HungTool>();
-  hung_->torque_felt = torque_felt_;
-  if (const char* wrong = hang(*hung_, state(), *held.coupling)) {
+  virtual_tool_ = std::make_unique<VirtualTool>();
+  virtual_tool_->torque_felt = torque_felt_;
+  if (const char* wrong = couple(*virtual_tool_, state(), *held.coupling)) {
     throw InputError(fmt::format("coupling: {}", wrong));
   }
 }
@@ -190,10 +190,10 @@ WrenchCommand SeveralContacts::step(const HandReadings& reading, double dt_s) no
     // No change of the model could take its turns.
     sample.pose[0].rotation.setIdentity();
   }
-  const WrenchCommand command = hung_ != nullptr
-                                    ? palpate::step(*hung_, state(), sample, dt_s)
-                                : torque_felt_ ? palpate::step(state(), sample, dt_s)
-                                               : step_unturned(state(), sample, dt_s);
+  const WrenchCommand command =
+      virtual_tool_ != nullptr ? palpate::step(*virtual_tool_, state(), sample, dt_s)
+      : torque_felt_           ? palpate::step(state(), sample, dt_s)
+                               : step_unturned(state(), sample, dt_s);
   wrench_ = command.wrench;
   scaled_ = command.scaled;
   return command;
@@ -214,14 +214,14 @@ void SeveralContacts::account(const WrenchCommand& command,
   report.yields = yields(storage_.state());
   report.not_yielded = not_yielded(storage_.state());
   report.yielded_j = command.yielded_j;
-  if (hung_ != nullptr) {
-    report.coupling = hung_->account;
+  if (virtual_tool_ != nullptr) {
+    report.coupling = virtual_tool_->account;
   }
 }
 
 void SeveralContacts::delivered(const PortWrenches& made) noexcept {
-  if (hung_ != nullptr) {
-    palpate::delivered(*hung_, state(), made);
+  if (virtual_tool_ != nullptr) {
+    palpate::delivered(*virtual_tool_, state(), made);
   } else {
     palpate::delivered(state(), made);
   }
@@ -233,7 +233,7 @@ void SeveralContacts::show(const HandReadings& reading) noexcept {
   for (std::size_t hand = 0; hand < hands(); ++hand) {
     seen_.hand[hand] = {s.latest.pose[hand], pose_of(reading[hand]), wrench_[hand]};
   }
-  seen_.hung = hung_ != nullptr;
+  seen_.held = virtual_tool_ != nullptr;
   seen_.scaled = scaled_;
   for (int i = 0; i < s.set.count; ++i) {
     seen_.contact[static_cast<std::size_t>(i)] = contact_at(i);

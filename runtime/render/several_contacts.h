@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "formats/response/response_table.h"
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/contacts_seen.h"
 #include "runtime/render/rendered_body.h"
@@ -35,13 +35,13 @@ struct ContactsHeld {
 
 /// Contacts coupled through the body (coupled_step.h). Held by a device itself, a tool
 /// is as the device measures it: its axes along the body's where turns are not
-/// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. A
-/// torque that is not felt does no work: turns that are measured are then a change of
+/// measured. Held by a virtual coupling (virtual_tool.h), it turns under its contacts.
+/// A torque that is not felt does no work: turns that are measured are then a change of
 /// the model (carry() of coupled_step.h).
 class SeveralContacts : public RenderedBody {
  public:
   /// @param database outlives it. @param tools of it, one for each hand. @param config
-  /// model: a field. @throws InputError as coupled_set(), CoupledStorage and hang().
+  /// model: a field. @throws InputError as coupled_set(), CoupledStorage and couple().
   SeveralContacts(const ResponseDatabase& database,
                   std::span<const ResponseTable* const> tools, const FastConfig& config,
                   const ContactsHeld& held = {});
@@ -88,7 +88,8 @@ class SeveralContacts : public RenderedBody {
     return storage_.state().in_contact;
   }
   [[nodiscard]] double work_j() const noexcept override {
-    return hung_ != nullptr ? hung_->total.work_j : account_of(storage_.state()).work_j;
+    return virtual_tool_ != nullptr ? virtual_tool_->total.work_j
+                                    : account_of(storage_.state()).work_j;
   }
   void account(const WrenchCommand& command,
                RenderReport& report) const noexcept override;
@@ -116,7 +117,7 @@ class SeveralContacts : public RenderedBody {
   void watch_turns(const HandReadings& reading) noexcept;
   std::shared_ptr<ContactSender> stream_;
   CoupledStorage storage_;
-  std::unique_ptr<HungTool> hung_;  // null: the device holds the tool
+  std::unique_ptr<VirtualTool> virtual_tool_;  // null: the device holds the tool
   std::unique_ptr<ContactFifo> fifo_ = std::make_unique<ContactFifo>();
   std::unique_ptr<TripleBuffer<ContactToolState>> tool_ =
       std::make_unique<TripleBuffer<ContactToolState>>();

@@ -29,7 +29,7 @@ std::string coupling_text(const CouplingReport& report) {
 }
 
 std::string coupling_energy_text(const CouplingReport& report) {
-  const HungAccount& a = report.account;
+  const VirtualToolAccount& a = report.account;
   return fmt::format(
       "of it kinetic {:.6g} mJ, springs {:.6g} mJ, dissipated by dampers {:.6g} mJ; "
       "largest residual of a tick {:.2g} J",
@@ -38,7 +38,7 @@ std::string coupling_energy_text(const CouplingReport& report) {
 
 nlohmann::json as_json(const CouplingReport& report) {
   const VirtualCoupling& c = report.coupling;
-  const HungAccount& a = report.account;
+  const VirtualToolAccount& a = report.account;
   return {{"mass_kg", c.mass_kg},
           {"inertia_kg_m2", c.inertia_kg_m2.x()},
           {"spring_n_per_m", c.spring_n_per_m},

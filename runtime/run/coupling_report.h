@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 #include "runtime/device/device.h"
 
 namespace palpate {
@@ -14,7 +14,7 @@ struct CouplingReport {
   VirtualCoupling coupling;  ///< as rendered, softened where stiffness was limited
   double every_hand_n_s_per_m = 0.0;  ///< contact_stiffness.h
   double step_n = 0.0;  ///< [N] of the damper where a measured position makes a step
-  HungAccount account;  ///< at the end
+  VirtualToolAccount account;  ///< at the end
 };
 
 [[nodiscard]] CouplingReport coupling_on(const VirtualCoupling& coupling,

@@ -165,6 +165,7 @@ std::vector<RenderTick> read_poses(const std::filesystem::path& file, int ports)
                       file.string(), number, v[0]));
     }
     for (std::size_t port = 0; port < static_cast<std::size_t>(ports); ++port) {
+      // Seven numbers a hand after the time: x y z [m], quaternion x y z w.
       const double* at = &v[1 + 7 * port];
       if (Eigen::Map<const Eigen::Vector4d>(at + 3).isZero(0.0)) {
         throw InputError(fmt::format("{}, line {}: hand {} has a quaternion of zeros",

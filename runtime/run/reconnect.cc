@@ -67,6 +67,7 @@ std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& dat
   std::vector<SimulationReport> runs{simulate(database, options, stop)};
   SimulationOptions rest = options;
   while (was_lost(runs.back()) && !stop.load()) {
+    // The next run has the time that is left, the same stiffness, and what has yielded.
     rest.duration_s -= runs.back().render.duration_s;
     rest.stiffness = runs.back().stiffness;
     put_surface(runs.back().render.surface, runs.back().tables, rest.surface);

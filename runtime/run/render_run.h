@@ -100,7 +100,7 @@ struct SimulationReport {
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
-  std::optional<CouplingReport> coupling;  ///< of a hung tool
+  std::optional<CouplingReport> coupling;  ///< of a virtual tool
   ResampleLoss resample_loss;
   std::optional<LinkReport> wire;         ///< of a device that has one
   std::optional<LinkReport> second_wire;  ///< of the second hand's

@@ -88,9 +88,9 @@ std::string difference(const Recording& recording, const TickRecord& tick,
   if (recording.old) {
     return "";  // has nothing more
   }
-  if (!same(tick.relaxed_shift_m, command.relaxed_shift_m)) {
-    return fmt::format("rest offset: {:.17g} recorded, {:.17g} now",
-                       tick.relaxed_shift_m, command.relaxed_shift_m);
+  if (!same(tick.rest_offset_m, command.rest_offset_m)) {
+    return fmt::format("rest offset: {:.17g} recorded, {:.17g} now", tick.rest_offset_m,
+                       command.rest_offset_m);
   }
   if (tick.triangle != body.triangle()) {
     return fmt::format("triangle: {} recorded, {} now", tick.triangle, body.triangle());

@@ -51,13 +51,24 @@ nlohmann::json as_json(const ServedReport& served) {
           {"detail", status.detail},
           {"stage", status.progress.stage},
           {"nodes", status.progress.nodes},
-          {"cheap", status.progress.cheap},
-          {"good", status.progress.good},
+          {"answered", status.progress.answered},
+          {"finished", status.progress.finished},
           {"joins", status.joins},
           {"answers", status.answers},
           {"softened", served.softened},
           {"ticks", ticks(served.ticks)},
           {"by_second", seconds}};
+}
+
+// Null of a tool that is no needle.
+nlohmann::json needle_json(const NeedleReport& n) {
+  if (!n.punctures) {
+    return nullptr;
+  }
+  return {{"channels", n.channels}, {"broken", n.broken},
+          {"refused", n.refused},   {"deepest_m", n.deepest_m},
+          {"crack_j", n.crack_j},   {"released_j", n.released_j},
+          {"shaft_j", n.shaft_j}};
 }
 
 // What the surface remembers, for a while and for good.
@@ -149,7 +160,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"elements_dropped", r.elements_dropped},
       {"depth_max_m", r.depth_max_m},
       {"force_max_n", r.force_max_n},
-      {"relaxed_shift_max_m", r.relaxed_shift_max_m},
+      {"rest_offset_max_m", r.rest_offset_max_m},
       {"step_p50_ns", r.step_time.percentile_ns(0.5)},
       {"step_p99_ns", r.step_time.percentile_ns(0.99)},
       {"step_p999_ns", r.step_time.percentile_ns(0.999)},
@@ -169,6 +180,7 @@ nlohmann::json as_json(const SimulationReport& report) {
   json.update(contacts_json(report));
   json.update(energy_json(r));
   json.update(memory_json(r));
+  json["needle"] = needle_json(r.needle);
   json.update(device_json(report));
   return json;
 }

@@ -65,7 +65,7 @@ std::string energy_lines(const RenderReport& r) {
                           r.relaxes ? fmt::format(", dents {:.4g} mJ", r.memory_j * 1e3)
                                     : std::string())) +
          line("rest offset",
-              fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
+              fmt::format("at most {:.4g} mm", r.rest_offset_max_m * 1e3));
 }
 
 // What relaxed, and what of it has not recovered yet.
@@ -110,6 +110,27 @@ std::string yielding_lines(const SimulationReport& report) {
                  fmt::format("{} times a site stayed as it was, because the table of "
                              "sites is full",
                              r.not_yielded));
+  }
+  return text;
+}
+
+// What a needle broke, and where its work went.
+std::string needle_lines(const RenderReport& r) {
+  const NeedleReport& n = r.needle;
+  if (!n.punctures) {
+    return {};
+  }
+  std::string text =
+      line("needle", fmt::format("{} membranes broken, {} channels, {:.4g} mm deep",
+                                 n.broken, n.channels, n.deepest_m * 1e3)) +
+      line("  its work",
+           fmt::format("{:.4g} mJ cut, {:.4g} mJ released, {:.4g} mJ along the shaft",
+                       n.crack_j * 1e3, n.released_j * 1e3, n.shaft_j * 1e3));
+  if (n.refused > 0) {
+    text += line("  without room",
+                 fmt::format("{} ticks could not puncture, because {} channels are "
+                             "there already",
+                             n.refused, n.channels));
   }
   return text;
 }
@@ -174,15 +195,15 @@ std::string served_lines(const ServedReport& s) {
   std::string text =
       line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} final",
                                   name(status.state), status.detail.empty() ? "" : ": ",
-                                  status.detail, status.progress.cheap,
-                                  status.progress.nodes, status.progress.good)) +
+                                  status.detail, status.progress.answered,
+                                  status.progress.nodes, status.progress.finished)) +
       line("in the body",
            fmt::format(
                "{:.3g} % of ticks without an answer, {:.3g} % with a preliminary "
                "one, "
                "{:.3g} % with a final one",
-               share(GrownQuality::kNone), share(GrownQuality::kCheap),
-               share(GrownQuality::kGood)));
+               share(GrownQuality::kNone), share(GrownQuality::kPreliminary),
+               share(GrownQuality::kFinal)));
   if (share(GrownQuality::kEstimated) > 0.0) {
     text += line("", fmt::format("{:.3g} % estimated from the material alone",
                                  share(GrownQuality::kEstimated)));
@@ -298,7 +319,7 @@ std::string summary(const SimulationReport& report) {
   if (report.coupling) {
     text += line("  of the coupling", coupling_energy_text(*report.coupling));
   }
-  text += memory_lines(r) + yielding_lines(report) + timing_lines(r);
+  text += memory_lines(r) + yielding_lines(report) + needle_lines(r) + timing_lines(r);
   if (report.wire) {
     text += wire_lines("wire", *report.wire);
   }

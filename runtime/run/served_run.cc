@@ -22,6 +22,7 @@ class Lent : public ElementSender {
                      ElementFifo& fifo) override {
     return to_.update(tool, now_ns, fifo);
   }
+  [[nodiscard]] PunctureRules puncture() const override { return to_.puncture(); }
 
  private:
   ElementSender& to_;
@@ -61,6 +62,8 @@ PressedBody pressed_scene(const ServedScene& scene, const ResponseDatabase& body
                             script.normal = body.normal.row(node).transpose();
                             script.touch_m = height_at_touch_m(tool, script.normal);
                             script.clear_m = std::max(0.005, depth_m);
+                            // No curve is known yet: the hand presses by shares of the
+                            // scene's depth.
                             script.press_m = 0.3 * depth_m;
                             script.deeper_m = 0.6 * depth_m;
                             return script;

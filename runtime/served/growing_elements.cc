@@ -70,7 +70,7 @@ void GrowingElements::take_in() {
     }
     for (Node& node : node_) {
       node.known = GrownQuality::kNone;
-      node.rendered = std::min(node.rendered, GrownQuality::kCheap);
+      node.rendered = std::min(node.rendered, GrownQuality::kPreliminary);
     }
   }
   if (next_taken_ == taken_.size()) {
@@ -224,8 +224,8 @@ bool GrowingElements::is_felt(std::int32_t node, const Sent& sent,
       });
 }
 
-// What is pending and can be told the fast process as a whole. Within the element in
-// use nothing changes but by its own nodes: others take what is new at once, and the
+// What is pending and can be handed to the fast process as a whole. Within the element
+// in use nothing changes but by its own nodes: others take what is new at once, and the
 // tool that crosses an edge later meets a field that is continuous there.
 void GrowingElements::exchange(Sent& sent, const Whereabouts& tool, double share) {
   std::vector<std::int32_t> later;
@@ -323,7 +323,7 @@ void GrowingElements::count(const ToolState& tool, const SurfacePoint& at,
   }
   n.normalize();
   const double height_m = (tool.position_m - at.position_m).dot(n);
-  GrownQuality poorest = GrownQuality::kGood;
+  GrownQuality poorest = GrownQuality::kFinal;
   for (Eigen::Index j = 0; j < 3; ++j) {
     poorest = std::min(poorest, quality(body_.triangle(at.triangle, j)));
   }

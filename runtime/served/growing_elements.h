@@ -58,7 +58,7 @@ class GrowingElements : public ElementSender {
   void hand_over(std::vector<GrownNode> answers);
 
   /// Any thread: what is known now was for another scene. It is rendered until answers
-  /// come, whatever their quality, and counts as cheap.
+  /// come, whatever their quality, and counts as preliminary.
   void outdate() noexcept { outdated_.store(true); }
 
   std::size_t update(const ToolState& tool, std::int64_t now_ns,

@@ -18,8 +18,8 @@ constexpr double kLeanLeast = 0.05;
 }  // namespace
 
 std::string_view name(GrownQuality quality) noexcept {
-  constexpr std::array<std::string_view, kGrownQualities> kNames{"none", "estimated",
-                                                                 "cheap", "good"};
+  constexpr std::array<std::string_view, kGrownQualities> kNames{
+      "none", "estimated", "preliminary", "final"};
   return kNames[static_cast<std::size_t>(quality)];
 }
 

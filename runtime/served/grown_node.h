@@ -17,16 +17,17 @@ namespace palpate {
 enum class GrownQuality : std::uint8_t {
   kNone = 0,
   kEstimated = 1,  ///< stiffness_estimate.h
-  kCheap = 2,
-  kGood = 3,
+  kPreliminary = 2,
+  kFinal = 3,
 };
 constexpr std::size_t kGrownQualities = 4;
 
-/// "none", "estimated", "cheap", "good".
+/// "none", "estimated", "preliminary", "final".
 [[nodiscard]] std::string_view name(GrownQuality quality) noexcept;
 
 [[nodiscard]] constexpr GrownQuality grown(AnswerQuality quality) noexcept {
-  return quality == AnswerQuality::kGood ? GrownQuality::kGood : GrownQuality::kCheap;
+  return quality == AnswerQuality::kFinal ? GrownQuality::kFinal
+                                          : GrownQuality::kPreliminary;
 }
 
 /// A node's answer, ready to be sent.

@@ -13,7 +13,7 @@ namespace palpate {
 
 /// An answer of a node; shared, because it never changes.
 struct ServedAnswer {
-  AnswerQuality quality = AnswerQuality::kCheap;
+  AnswerQuality quality = AnswerQuality::kPreliminary;
   std::shared_ptr<const WorkUnitNode> node;
 };
 

@@ -60,12 +60,13 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   const auto deadline = Clock::now() + kPatience;
   std::unique_lock lock(mutex_);
   while (!scene_known_ && !ended_ && refusal_.empty()) {
+    // Woken by the thread of the connection, or to look whether the user has stopped.
     changed_.wait_for(lock, milliseconds(50));
     if (stop.load()) {
       throw Interrupted();
     }
     if (Clock::now() > deadline) {
-      throw InputError(fmt::format("{}: no service has told a scene within {} s{}{}",
+      throw InputError(fmt::format("{}: no service has sent a scene within {} s{}{}",
                                    options_.socket.string(), kPatience.count(),
                                    status_.detail.empty() ? "" : ": ", status_.detail));
     }
@@ -75,7 +76,7 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   }
   if (!scene_known_) {
     throw InputError(
-        fmt::format("palpate-precompute serve ended {} before it told its scene; what "
+        fmt::format("palpate-precompute serve ended {} before it sent its scene; what "
                     "it said stands above",
                     ended_text(*ended_)));
   }

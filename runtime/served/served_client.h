@@ -29,7 +29,7 @@
 namespace palpate {
 
 enum class ServiceState : std::uint8_t {
-  kJoining,   ///< nobody has told a scene yet
+  kJoining,   ///< nobody has sent a scene yet
   kServing,   ///< messages come
   kSilent,    ///< joined, but no message for some time
   kLost,      ///< it is gone; joined again as soon as somebody listens there
@@ -46,7 +46,7 @@ enum class ServiceState : std::uint8_t {
 struct ServiceStatus {
   ServiceState state = ServiceState::kJoining;
   std::string detail;       ///< why, for a person, or the database; may be empty
-  ServedProgress progress;  ///< as last told
+  ServedProgress progress;  ///< as last received
   std::int64_t joins = 0;
   std::int64_t answers = 0;  ///< of the tool that is rendered, as they came
   bool started = false;      ///< the service is this process' child
@@ -133,7 +133,7 @@ class ServedClient {
   ServedClientOptions options_;
   std::unique_ptr<ServiceProcess> process_;  // the thread's, once it runs
   std::optional<ServiceConnection> connection_;
-  bool welcomed_ = false;   // the connection has told its scene
+  bool welcomed_ = false;   // the connection has sent its scene
   bool renewing_ = false;   // another scene is expected
   Clock::time_point last_;  // message
   Clock::time_point hand_sent_;

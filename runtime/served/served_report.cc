@@ -7,7 +7,7 @@
 namespace palpate {
 
 std::string quality_csv(const ServedReport& report) {
-  std::string text = "second,none,estimated,cheap,good\n";
+  std::string text = "second,none,estimated,preliminary,final\n";
   for (std::size_t i = 0; i < report.by_second.size(); ++i) {
     const QualityTicks& at = report.by_second[i];
     const auto all =

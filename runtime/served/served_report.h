@@ -17,8 +17,8 @@ struct ServedReport {
   std::int64_t softened = 0;            ///< answers that were too stiff for the device
 };
 
-/// By second, as comma-separated values: "second,none,estimated,cheap,good", shares of
-/// the ticks in the body [-]; none for a second without any.
+/// By second, as comma-separated values: "second,none,estimated,preliminary,final",
+/// shares of the ticks in the body [-]; none for a second without any.
 [[nodiscard]] std::string quality_csv(const ServedReport& report);
 
 }  // namespace palpate

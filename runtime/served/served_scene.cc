@@ -64,7 +64,7 @@ ServedResponses answers_of(const ResponseDatabase& database, const JobDescriptio
   }
   const ResponseTable& table =
       find_tool(database, plan.tool[static_cast<std::size_t>(tool)].name);
-  ServedResponses responses{.quality = AnswerQuality::kGood, .node = {}};
+  ServedResponses responses{.quality = AnswerQuality::kFinal, .node = {}};
   for (std::int32_t i = 0; i < table.nodes(); ++i) {
     const CurveView curve = table.curve(i);
     const auto row = static_cast<std::size_t>(i);

@@ -15,7 +15,7 @@ namespace palpate {
 void ServedClient::take(const ServiceMessage& message) {
   if (const auto* scene = std::get_if<ServedScene>(&message)) {
     if (welcomed_) {
-      throw FormatError("the service has told its scene twice");
+      throw FormatError("the service has sent its scene twice");
     }
     take_scene(*scene);
     return;
@@ -113,7 +113,7 @@ GrownNode ServedClient::ready(const WorkUnitNode& answer, GrownQuality quality) 
                     longest_edge_m_[static_cast<std::size_t>(answer.vertex)]);
 }
 
-// The file knows more than was told: nodes between those that were solved, and all of
+// The file knows more than was sent: nodes between those that were solved, and all of
 // them where it was whole before.
 void ServedClient::take_end(const ServedEnd& end) {
   if (end.file.empty()) {

@@ -44,6 +44,7 @@ int spawn(const std::vector<std::string>& words, pid_t& id) {
   sigset_t all;
   sigemptyset(&none);
   sigfillset(&all);
+  // The runtime may block signals and run in real time. A service inherits neither.
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setpgroup(&attributes, 0);

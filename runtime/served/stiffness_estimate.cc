@@ -34,10 +34,12 @@ std::vector<WorkUnitNode> estimated_answers(const ServedScene& scene,
     }
     response.depth_m.push_back(depth_m);
     response.force_n.push_back(*force_n);
+    // The first sample past the scene's force ends the curve.
     if (*force_n > plan.force_max_n) {
       break;
     }
   }
+  // Straight out of the surface, of the same force at every vertex.
   response.origin = ResponseOrigin::kInterpolated;
   response.error_relative = 1.0;
   std::vector<WorkUnitNode> answers;

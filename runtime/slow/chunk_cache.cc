@@ -172,6 +172,8 @@ bool ChunkCache::publish(bool all_loaded) {
       chunks.insert(*found);
     }
   }
+  // News: all chunks that its triangles need are loaded, and the last piece lacked
+  // some.
   const auto is_news = [&](const auto& entry) {
     return is_complete(chunks, *entry.second) &&
            (last == nullptr || !last->has_complete(entry.first));
@@ -187,6 +189,8 @@ bool ChunkCache::publish(bool all_loaded) {
   if (!urgent && !(all_loaded && std::ranges::any_of(chunks, is_news))) {
     return false;
   }
+  // One byte a chunk, SurfacePiece::complete_, and what the chunks' nodes and triangles
+  // take.
   std::size_t bytes = static_cast<std::size_t>(reader_.index().chunks());
   for (const auto& [k, chunk] : chunks) {
     bytes += piece_bytes(reader_.index(), k);

@@ -15,6 +15,7 @@
 #include "runtime/realtime/step_histogram.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/slow/chunk_choice.h"
+#include "runtime/slow/node_puncture.h"
 #include "runtime/slow/surface_piece.h"
 
 namespace palpate {
@@ -68,6 +69,10 @@ class ChunkCache {
   [[nodiscard]] const CacheCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] const DatabaseIndex& index() const noexcept { return reader_.index(); }
   [[nodiscard]] std::size_t tool() const noexcept { return content_.tool; }
+  /// What the tool punctures.
+  [[nodiscard]] PunctureRules puncture() const {
+    return puncture_rules(index().tools[tool()].puncture, options_.force_scale);
+  }
 
   /// Any thread. Whether a chunk was damaged.
   [[nodiscard]] bool is_damaged() const noexcept {

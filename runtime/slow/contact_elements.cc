@@ -154,6 +154,7 @@ CoupledSet coupled_set(std::span<const PressingTool> tools) {
     for (const PressingTool& tool : tools) {
       check_renderable(tool, set.count);
     }
+    // What couples contacts is the body's: the first tool's table serves all.
     const ComplianceTable& body = tools.front().compliance;
     set.knots = knots_of(body);
     set.modes = static_cast<int>(body.modes());
@@ -228,6 +229,8 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
       std::equal(wanted.triangle.begin(),
                  wanted.triangle.begin() + static_cast<std::ptrdiff_t>(wanted.count),
                  last.wanted.triangle.begin());
+  // Messages may be dropped on the way. A contact whose triangles are the same sends
+  // them again where updates mod `turns` is i mod `turns`.
   const auto turns =
       static_cast<std::uint64_t>(std::min(set_.count, ContactSent::kRepeatUpdates));
   if (same && sent.updates % turns != self % turns) {

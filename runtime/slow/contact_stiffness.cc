@@ -57,6 +57,7 @@ ContactStiffness contact_stiffness(const PressingTool& tool,
   all.lever_m.resize(n, 3);
   Eigen::VectorXd own_n_per_m(n);
   Eigen::MatrixXd compliance(n, n);
+  // sum_m s_m b_m^2: modes couple contacts at every distance.
   const double together = coupling_by_modes(row.mode, row.mode, kMostModes,
                                             static_cast<std::size_t>(set.added_modes));
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -72,6 +73,7 @@ ContactStiffness contact_stiffness(const PressingTool& tool,
                        together;
     }
   }
+  // K = (diag(1 / k_i) + C)^-1 [N/m]: forces on the contacts for their displacements.
   const Eigen::LLT<Eigen::MatrixXd> factor(compliance);
   all.n_per_m = factor.info() == Eigen::Success
                     ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(n, n)))

@@ -80,6 +80,8 @@ ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n)
   if (loss_n != nullptr) {
     *loss_n = lost_n;
   }
+  // Force, slope and energy scale together: a softer body with the same depths and
+  // directions.
   for (std::size_t k = 0; k < static_cast<std::size_t>(message.samples); ++k) {
     message.force_n[k] *= rows.force_scale;
     message.stiffness_n_per_m[k] *= rows.force_scale;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "runtime/element/element.h"
+#include "runtime/needle/channel.h"
 #include "runtime/realtime/spsc_ring.h"
 #include "runtime/slow/tool_state.h"
 
@@ -39,6 +40,9 @@ class ElementSender {
     static_cast<void>(triangle);
     return std::nullopt;
   }
+
+  /// What its tool punctures; of one that does not, no materials.
+  [[nodiscard]] virtual PunctureRules puncture() const { return {}; }
 };
 
 }  // namespace palpate

@@ -194,6 +194,7 @@ FieldStiffening field_stiffening(const ResponseDatabase& database,
   std::vector<Found> inside;
   std::vector<Found> border;
   const auto triangles = static_cast<std::int32_t>(database.body.triangle.rows());
+  // Every element, or every so many, at four places at the largest depth.
   for (std::int32_t t = 0; t < triangles; t += 1 + triangles / kFirstElements) {
     const std::ptrdiff_t nodes = curvature.take(t);
     if (nodes > 0) {
@@ -203,6 +204,7 @@ FieldStiffening field_stiffening(const ResponseDatabase& database,
         const double n_per_m = curvature.at(spot);
         most = n_per_m > most.n_per_m ? Found{n_per_m, t, spot} : most;
       }
+      // An element with a silent node lies at the border of the reach.
       (nodes == 3 ? inside : border).push_back(most);
     }
   }

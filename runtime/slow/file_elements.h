@@ -41,6 +41,8 @@ class StreamedElements : public TableElements {
   [[nodiscard]] Element element(std::int32_t triangle) const override;
   [[nodiscard]] ElementRows rows(std::int32_t triangle) const override;
 
+  [[nodiscard]] PunctureRules puncture() const override { return cache_.puncture(); }
+
   [[nodiscard]] const ResampleLoss& resample_loss() const noexcept override {
     return cache_.counts().loss;
   }

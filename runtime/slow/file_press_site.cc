@@ -86,6 +86,7 @@ StiffestRow stiffest_row(const ChunkReader& reader, std::size_t tool,
 StreamedPlace streamed_place(const ChunkReader& reader, std::size_t tool,
                              const std::optional<Eigen::Vector3d>& at_m) {
   const DatabaseIndex& index = reader.index();
+  // Chunks by the distance of their boxes, a lower bound of that of their nodes.
   std::vector<std::pair<double, std::int64_t>> order;
   const std::vector<std::int64_t>& samples = index.tools[tool].sample_begin;
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
@@ -98,6 +99,7 @@ StreamedPlace streamed_place(const ChunkReader& reader, std::size_t tool,
   StreamedPlace best;
   double best_distance = std::numeric_limits<double>::infinity();
   for (const auto& [box_distance, k] : order) {
+    // No box from here on can hold a nearer node.
     if (box_distance >= best_distance) {
       break;
     }

@@ -7,6 +7,7 @@
 #include "formats/response/tool_support.h"
 #include "formats/response/yielding.h"
 #include "runtime/slow/node_memory.h"
+#include "runtime/slow/node_puncture.h"
 
 namespace palpate {
 namespace {
@@ -71,6 +72,7 @@ Element ElementStream::element(std::int32_t triangle) const {
     if (relaxation.remembers()) {
       message.memory.node[j] = node_memory(relaxation, node, message.node[j]);
     }
+    message.puncture[j] = node_puncture(rows_.table.puncture, node, rows_.force_scale);
     message.neighbour[j] = search_.neighbours()(triangle, column);
   }
   return message;

@@ -11,6 +11,7 @@
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
 #include "runtime/slow/element_message.h"
+#include "runtime/slow/node_puncture.h"
 #include "runtime/slow/table_elements.h"
 
 namespace palpate {
@@ -36,6 +37,10 @@ class ElementStream : public TableElements {
       std::int32_t triangle) const override {
     const bool there = triangle >= 0 && triangle < database_.body.triangle.rows();
     return there ? std::optional(element(triangle)) : std::nullopt;
+  }
+
+  [[nodiscard]] PunctureRules puncture() const override {
+    return puncture_rules(rows_.table.puncture, rows_.force_scale);
   }
 
   [[nodiscard]] const ResampleLoss& resample_loss() const noexcept override {

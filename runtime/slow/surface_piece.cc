@@ -7,6 +7,7 @@
 #include "formats/response/tool_support.h"
 #include "runtime/slow/chunk_choice.h"
 #include "runtime/slow/node_memory.h"
+#include "runtime/slow/node_puncture.h"
 
 namespace palpate {
 bool is_complete(const LoadedChunks& chunks, const LoadedChunk& chunk) {
@@ -69,6 +70,8 @@ void SurfacePiece::add_triangles() {
            {local(triangle(t, 0)), local(triangle(t, 1)), local(triangle(t, 2))}});
     }
   }
+  // The source's order: where two triangles are equally near, a search takes the same
+  // one as in the whole body.
   std::sort(all.begin(), all.end(), [](const Triangle& a, const Triangle& b) {
     return a.source < b.source;
   });
@@ -156,6 +159,7 @@ Element SurfacePiece::element(std::int32_t row) const {
       message.memory.node[j] =
           node_memory(at.chunk->table.viscoelasticity, at.row, message.node[j]);
     }
+    message.puncture[j] = node_puncture(at.chunk->table.puncture, at.row, force_scale_);
     const std::int32_t across = search_->neighbours()(row, column);
     message.neighbour[j] =
         across < 0 ? -1 : source_triangle_[static_cast<std::size_t>(across)];

@@ -53,7 +53,7 @@ std::size_t FalconLink::listen(std::span<std::uint8_t> bytes, double wait_s) {
   const std::int64_t until_ns = deadline_ns_after(wait_s);
   std::size_t count = 0;
   while (count < bytes.size()) {
-    heed_stop();
+    throw_if_stopped();
     std::size_t got = 0;
     const UsbStatus status = usb_->receive(bytes.subspan(count), got, until_ns);
     if (status == UsbStatus::kLost) {
@@ -67,7 +67,7 @@ std::size_t FalconLink::listen(std::span<std::uint8_t> bytes, double wait_s) {
   return count;
 }
 
-void FalconLink::heed_stop() const {
+void FalconLink::throw_if_stopped() const {
   if (config_.stopped && config_.stopped()) {
     throw Interrupted();
   }
@@ -86,7 +86,7 @@ void FalconLink::run_line() {
 bool FalconLink::answers() {
   constexpr int kTries = 25;
   for (int i = 0; i < kTries; ++i) {
-    heed_stop();
+    throw_if_stopped();
     const LinkStatus status =
         exchange({.motor = {}, .leds = kFalconRed, .homing = true});
     if (status == LinkStatus::kOk) {
@@ -143,7 +143,7 @@ void FalconLink::boot_and_load() {
 
 void FalconLink::ask_boot_loader() {
   for (int i = 0; i < kQuestions; ++i) {
-    heed_stop();
+    throw_if_stopped();
     usb_->drop_received();
     if (usb_->send(kQuestion, deadline_ns_after(0.1)) == UsbStatus::kLost) {
       throw DeviceError("falcon: unplugged while it was booted");
@@ -166,7 +166,7 @@ void FalconLink::ask_boot_loader() {
 void FalconLink::load() {
   std::array<std::uint8_t, kChunk> echo{};
   const auto send = [&](std::span<const std::uint8_t> chunk, const std::string& where) {
-    heed_stop();
+    throw_if_stopped();
     usb_->drop_received();
     const UsbStatus status = usb_->send(chunk, deadline_ns_after(0.1));
     const std::size_t count =
@@ -185,16 +185,16 @@ void FalconLink::load() {
 }
 
 void FalconLink::home() {
-  bool told = false;
+  bool announced = false;
   const std::int64_t until_ns = deadline_ns_after(config_.homing_s);
   while (reply_.homed != kFalconAllHomed) {
-    heed_stop();
-    if (!told && config_.tell) {
+    throw_if_stopped();
+    if (!announced && config_.tell) {
       config_.tell(
           "falcon: pull the grip all the way out and push it in, until the "
           "light is green");
     }
-    told = true;
+    announced = true;
     MonotonicClock clock;
     const LinkStatus status =
         exchange({.motor = {}, .leds = kFalconRed, .homing = true});

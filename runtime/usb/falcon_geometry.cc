@@ -43,6 +43,8 @@ bool solve_leg(const Eigen::Vector3d& p, double phi, Leg& leg) noexcept {
   }
   const double sin3 = std::sqrt(1.0 - cos3 * cos3);
   const double L = d + e + b * sin3;
+  // With theta1's tan(theta1 / 2) = t, (u + c - a cos)^2 + (w - a sin)^2 = L^2 becomes
+  // l2 t^2 + l1 t + l0 = 0.
   const double K = w * w + u * u + 2.0 * c * u + c * c + a * a - L * L;
   const double l0 = K - 2.0 * a * (u + c);
   const double l1 = -4.0 * a * w;
@@ -92,6 +94,7 @@ FalconForward forward(const Eigen::Vector3d& theta1_rad,
   }
   while (result.iterations < kIterations) {
     ++result.iterations;
+    // Newton's step for theta1(position) = theta1_rad: rates is d theta1 / d position.
     const Eigen::Vector3d step =
         result.pose.rates.inverse() * Eigen::Vector3d(theta1_rad - result.pose.theta1);
     const double length = step.norm();
@@ -99,6 +102,7 @@ FalconForward forward(const Eigen::Vector3d& theta1_rad,
       return result;
     }
     double scale = length > kStepMax ? kStepMax / length : 1.0;
+    // Halved until all legs reach.
     while (!inverse(result.position_m + scale * step, result.pose)) {
       scale *= 0.5;
       if (scale < 1e-9) {
@@ -107,6 +111,7 @@ FalconForward forward(const Eigen::Vector3d& theta1_rad,
     }
     result.position_m += scale * step;
     if (scale * length < kConverged) {
+      // A step that had to be cut says nothing of how near the solution is.
       result.converged = scale == 1.0;
       return result;
     }

@@ -105,6 +105,8 @@ LinkStatus FalconLink::exchange(const FalconCommand& command) noexcept {
     }
     reply_ = *reply;
     answered = true;
+    // After a miss, replies to older commands may come first: the newest until the
+    // deadline counts.
     if (missed_ == 0) {
       break;
     }
@@ -137,6 +139,8 @@ LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
     wanted *= config_.force_max_n / length;
   }
   sent_n_.setZero();
+  // Motors turn only with a known pose and a zero. sent_n_ is the force of the motors'
+  // whole steps, which is less than what is wanted where they saturate.
   if (known_ && missed_ == 0 && reply_.homed == kFalconAllHomed) {
     command.motor = motors_for(wanted, at_.pose.rates, config_.calibration).command;
     sent_n_ = force_of(command.motor, at_.pose.rates, config_.calibration);
@@ -149,6 +153,7 @@ LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
   if (reply_.homed != kFalconAllHomed) {
     return give_up("it forgot its zero; home it again");
   }
+  // From the last position, so that one or two steps do.
   const FalconForward found = forward(angles_of(reply_.encoder), at_.position_m);
   if (!found.converged) {
     return reject("its encoders fit no position");

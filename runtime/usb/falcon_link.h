@@ -66,7 +66,7 @@ class FalconLink : public DeviceLink {
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
 
  private:
-  void heed_stop() const;
+  void throw_if_stopped() const;
   void start();
   void boot_and_load();
   void ask_boot_loader();

@@ -61,6 +61,7 @@ void HaplyLink::open() {
           config_.what, config_.setup.offset_deg[0], config_.setup.offset_deg[1]));
     }
     usb_ = std::make_unique<UsbTransport>(file_, config_.pair);
+    // Set-up, then zero torques: a board that answers them with angles is ready.
     const auto setup = encode(config_.setup);
     for (int i = 0; i < kOpenTries; ++i) {
       if (usb_->send(setup, deadline_ns_after(0.1)) == UsbStatus::kOk &&

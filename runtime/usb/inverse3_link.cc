@@ -130,6 +130,7 @@ LinkStatus Inverse3Link::await_state() noexcept {
       known_ = false;
       return ++missed_ > kMissedMax ? give_up("answers no more") : LinkStatus::kMissed;
     }
+    // Byte by byte: the framer finds where a state ends.
     const Inverse3Framer::Found found = framer_.take(byte[0]);
     if (found == Inverse3Framer::Found::kNonsense) {
       return reject();
@@ -140,6 +141,8 @@ LinkStatus Inverse3Link::await_state() noexcept {
         return reject();
       }
       const Eigen::Vector3d position_m = from_haply(*there);
+      // A state that is whole and wrong would move the tool anywhere; while nothing is
+      // heard the tool may go on.
       if (placed_ && (position_m - position_m_).norm() > kMoveMaxM * (1 + missed_)) {
         return reject();
       }

@@ -220,6 +220,8 @@ UsbStatus UsbTransport::send(std::span<const std::uint8_t> bytes,
                              std::int64_t deadline_ns) noexcept {
   State& s = *state_;
   const std::size_t count = std::min(bytes.size(), s.pair.packet_bytes);
+  // 1. One transfer goes out at a time. That of a send which timed out has to end
+  // first.
   while (s.out_busy && !s.lost && now_ns() < deadline_ns) {
     s.pump(deadline_ns);
   }
@@ -230,6 +232,7 @@ UsbStatus UsbTransport::send(std::span<const std::uint8_t> bytes,
     libusb_cancel_transfer(s.out);
     return UsbStatus::kTimeout;
   }
+  // 2. The transfer's own buffer, so that nothing is allocated here.
   std::memcpy(s.out->buffer, bytes.data(), count);
   s.out->length = static_cast<int>(count);
   const int result = libusb_submit_transfer(s.out);
@@ -238,6 +241,7 @@ UsbStatus UsbTransport::send(std::span<const std::uint8_t> bytes,
     return s.lost ? UsbStatus::kLost : UsbStatus::kTimeout;
   }
   s.out_busy = true;
+  // 3. libusb runs callbacks in pump() alone: out_done() clears out_busy.
   do {
     s.pump(deadline_ns);
   } while (s.out_busy && !s.lost && now_ns() < deadline_ns);

@@ -70,6 +70,7 @@ void DhdLink::start() {
   require_calibrated();
   turned_ =
       dhd_.has_wrist != nullptr && dhd_.orientation != nullptr && dhd_.has_wrist(id_);
+  // Zero is commanded before forces are enabled.
   Eigen::Vector3d ignored;
   if (transact(Eigen::Vector3d::Zero(), ignored) != LinkStatus::kOk ||
       dhd_.enable(1, id_) < 0) {

@@ -31,6 +31,8 @@ class AdjustedStream : public ElementSender {
   std::size_t update(const ToolState& tool, std::int64_t now_ns,
                      ElementFifo& fifo) override;
 
+  [[nodiscard]] PunctureRules puncture() const override { return stream_.puncture(); }
+
  private:
   ElementSender& stream_;
   std::unique_ptr<ElementFifo> unchanged_ = std::make_unique<ElementFifo>();

@@ -109,7 +109,7 @@ void LiveView::point(const ViewRequest& request) {
     wish.turn = request.turn;
   }
   wish.hand = request.hand.value_or(request.hold ? 0 : -1);
-  session_.heed(wish);
+  session_.follow(wish);
   silent_ns_ = 0;
   fell_silent_ = false;
   tape_.add(wish);
@@ -165,7 +165,7 @@ void LiveView::advance(std::int64_t ticks) {
     const std::int64_t now = session_.ticks();
     const std::optional<HandWish> wish = tape_.take(now);
     if (wish) {
-      session_.heed(*wish);
+      session_.follow(*wish);
     } else if (!tape_.playing()) {
       session_.let_go();
     } else {

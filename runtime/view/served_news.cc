@@ -40,8 +40,8 @@ ViewService ServedNews::service() {
           .detail = status.detail,
           .stage = status.progress.stage,
           .nodes = status.progress.nodes,
-          .cheap = status.progress.cheap,
-          .good = status.progress.good,
+          .answered = status.progress.answered,
+          .finished = status.progress.finished,
           .here = std::string(name(elements_.here())),
           .ticks = elements_.ticks(),
           .changed = watch_.changed_from(served)};
@@ -94,7 +94,7 @@ void ServedNews::measure() {
 
 std::optional<std::string> ServedNews::answers(ViewClient page, std::int64_t now_ns) {
   Page& at = page_[page];
-  if (now_ns - at.told_ns < kBatchNs) {
+  if (now_ns - at.sent_ns < kBatchNs) {
     return std::nullopt;
   }
   if (at.waiting.empty()) {
@@ -104,12 +104,12 @@ std::optional<std::string> ServedNews::answers(ViewClient page, std::int64_t now
   if (at.waiting.empty()) {
     return std::nullopt;
   }
-  at.told_ns = now_ns;
+  at.sent_ns = now_ns;
   measure();
   nlohmann::json json{{"type", "answers"},
                       {"node", nlohmann::json::array()},
                       {"stiffness", nlohmann::json::array()},
-                      {"good", nlohmann::json::array()},
+                      {"final", nlohmann::json::array()},
                       {"low_n_per_m", low_n_per_m_},
                       {"high_n_per_m", high_n_per_m_},
                       {"force_max_n", force_max_n_}};
@@ -122,7 +122,7 @@ std::optional<std::string> ServedNews::answers(ViewClient page, std::int64_t now
     json["stiffness"].push_back(std::isfinite(stiffness)
                                     ? nlohmann::json(static_cast<float>(stiffness))
                                     : nlohmann::json());
-    json["good"].push_back(answer && answer->quality == AnswerQuality::kGood ? 1 : 0);
+    json["final"].push_back(answer && answer->quality == AnswerQuality::kFinal ? 1 : 0);
   }
   return json_text(json);
 }

@@ -30,7 +30,7 @@ class ServedNews {
 
   /// The next answers that have not been reported to the page, if it is time for them:
   ///
-  ///   {"type": "answers", "node": [..], "stiffness": [..], "good": [0 or 1, ..],
+  ///   {"type": "answers", "node": [..], "stiffness": [..], "final": [0 or 1, ..],
   ///    "low_n_per_m": .., "high_n_per_m": .., "force_max_n": ..}
   ///
   /// stiffness [N/m] is as the map's (surface_map.h), null for an answer of no
@@ -52,7 +52,7 @@ class ServedNews {
   struct Page {
     std::size_t changes = 0;
     std::vector<std::int32_t> waiting = {};  // nodes, the last one first
-    std::int64_t told_ns = -kBatchNs;
+    std::int64_t sent_ns = -kBatchNs;
   };
 
   [[nodiscard]] double stiffness_n_per_m(std::int32_t node) const;

@@ -92,6 +92,8 @@ std::optional<PortWrenches> SteeredContacts::elastic(bool coupled) {
     return std::nullopt;
   }
   CoupledField& field = *scratch_;
+  // The same places in a scratch field: delta_0 = 0, C whole, and rows of compliance
+  // that couple the contacts or do not.
   field = state.model.field;
   field.shift_m = 0.0;
   field.equilibrium.scale = 1.0;
@@ -108,6 +110,7 @@ std::optional<PortWrenches> SteeredContacts::elastic(bool coupled) {
       const std::int32_t triangle =
           state.surfaces[i].cache.triangle[static_cast<std::size_t>(slot)];
       kept[self] = exchange(i, adjusted_->element(i, triangle, coupled).row);
+      // So that enter() reads the exchanged rows.
       field.at[self].slot = -1;
       field.at[self].stored_at = 0;
     }
@@ -157,6 +160,7 @@ void SteeredContacts::show(const std::vector<SteeredHand>& hand, ViewFrame& fram
   all.touch = touches();
   all.coupled = adjusted_->coupled();
   all.scaled = body_->scaled();
+  // The force as rendered by one body, beside the sum of contacts that do not couple.
   const std::optional<PortWrenches> coupled = elastic(true);
   const std::optional<PortWrenches> added_up = elastic(false);
   for (std::size_t i = 0; i < hand.size(); ++i) {

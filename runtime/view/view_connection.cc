@@ -142,6 +142,7 @@ void ViewServer::Parts::Connection::read_frames() {
     const auto now = std::chrono::steady_clock::now();
     switch (frames_.read()) {
       case FrameRead::kMessage:
+        // Too many messages or control frames close the connection, with code 1008.
         if (rate_.allow(now)) {
           parts_.application.received(client_, frames_.payload());
         } else {

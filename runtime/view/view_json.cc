@@ -54,7 +54,7 @@ std::string_view origin_name(std::uint8_t origin) {
 Json flag_names(std::uint8_t flags) {
   constexpr std::array<std::string_view, kResponseFlags> kNames{
       "falling curve", "force capped", "coarse contact", "error over budget",
-      "failed",        "extrapolated", "truncated path", "hard path"};
+      "failed",        "extrapolated", "truncated path", "near-singular load path"};
   Json names = Json::array();
   for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
     if ((flags >> bit & 1U) != 0U) {
@@ -64,7 +64,6 @@ Json flag_names(std::uint8_t flags) {
   return names;
 }
 
-// Every tick, as numbers of as many digits as a plot or a table needs.
 // What dents hold, by the account.
 double memory_j(const TickRecord& t) {
   return std::max(0.0, t.work_j - t.stored_j - t.tank_j - t.dissipated_j);
@@ -80,6 +79,7 @@ Json as_json(const std::vector<NodeDent>& dents) {
   return {{"node", nodes}, {"depth_m", depths_m}};
 }
 
+// Every tick, as numbers of as many digits as a plot or a table needs.
 std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal_m) {
   const auto column = [&](const char* key, auto&& value) {
     std::string text = fmt::format("\"{}\":[", key);
@@ -158,10 +158,10 @@ Json as_json(const ViewSettings& settings) {
 }
 
 Json as_json(const ViewService& service) {
-  return {{"state", service.state},    {"detail", service.detail},
-          {"stage", service.stage},    {"nodes", service.nodes},
-          {"cheap", service.cheap},    {"good", service.good},
-          {"here", service.here},      {"ticks", service.ticks},
+  return {{"state", service.state},       {"detail", service.detail},
+          {"stage", service.stage},       {"nodes", service.nodes},
+          {"answered", service.answered}, {"finished", service.finished},
+          {"here", service.here},         {"ticks", service.ticks},
           {"changed", service.changed}};
 }
 
@@ -314,7 +314,7 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"dents", as_json(frame.dents)},
       {"dissipated_j", now.dissipated_j},
       {"net_j", frame.net_j},
-      {"shift_m", now.relaxed_shift_m},
+      {"shift_m", now.rest_offset_m},
       {"flags", now.flags},
       {"contact_m", list(frame.contact.point_m)},
       {"normal", list(frame.contact.normal)},

@@ -74,12 +74,12 @@ struct ViewService {
   std::string state;   ///< "serving", "lost", ... (served_client.h)
   std::string detail;  ///< why
   std::string stage;
-  std::int64_t nodes = 0;  ///< that get an answer
-  std::int64_t cheap = 0;  ///< of them with one
-  std::int64_t good = 0;   ///< of them with a good one
-  std::string here;        ///< what the place under the tool answers with
-  QualityTicks ticks{};    ///< in the body
-  bool changed = false;    ///< the scene's file, since it is served
+  std::int64_t nodes = 0;     ///< that get an answer
+  std::int64_t answered = 0;  ///< of them with one
+  std::int64_t finished = 0;  ///< of them with a final one
+  std::string here;           ///< what the place under the tool answers with
+  QualityTicks ticks{};       ///< in the body
+  bool changed = false;       ///< the scene's file, since it is served
 };
 
 /// One frame: the state now.

@@ -189,7 +189,7 @@ void ViewSession::reset() {
   start();
 }
 
-void ViewSession::heed(const HandWish& wish) {
+void ViewSession::follow(const HandWish& wish) {
   if (wish.hand >= static_cast<int>(hands_.size())) {
     throw InputError(fmt::format("hand {} is not there, {} hold{} what is shown",
                                  wish.hand, hands_.size(),

@@ -49,7 +49,7 @@ class ViewSession {
 
   /// What a page's hand wants: to hold its tool there, or to lift it off the body.
   /// @throws InputError for a hand that is not there, or a turn that nobody feels.
-  void heed(const HandWish& wish);
+  void follow(const HandWish& wish);
 
   /// All hands lift their tools, along the normal of the nearest point.
   void let_go();

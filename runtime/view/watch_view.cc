@@ -134,7 +134,7 @@ ViewHands WatchView::hands() {
                         .turn = Eigen::Quaterniond(hand.tool.rotation),
                         .hand_m = hand.device.position_m,
                         .pointer_m = hand.device.position_m,
-                        .holding = seen.hung,
+                        .holding = seen.held,
                         .force_n = hand.wrench.force_n,
                         .torque_n_m = hand.wrench.torque_n_m});
   }

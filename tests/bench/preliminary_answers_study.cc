@@ -1,9 +1,9 @@
-// How far preliminary answers of a service are from its good ones, and what they cost.
+// How far preliminary answers of a service are from its final ones, and what they cost.
 //   preliminary_answers_study SCENE.toml [GROUPS, default 40]
-// So many groups of the scene's nodes, spread over the body, are answered cheaply and
-// pressed well (linear scenes). Prints for each way CPU seconds a node, and for cheap
-// ones the difference of force, and the share of nodes where it is within what is
-// stated.
+// So many groups of the scene's nodes, spread over the body, are answered preliminarily
+// and pressed well (linear scenes). Prints for each way CPU seconds a node, and for
+// preliminary ones the difference of force, and the share of nodes where it is within
+// what is stated.
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
@@ -35,8 +35,8 @@ std::vector<PreliminaryGroup> spread(const std::vector<PreliminaryGroup>& groups
 void study(const Scene& scene, std::size_t count) {
   const BuildJob job = build_job(scene, {});
   const SharedTool& tool = job.body.tool.front();
-  double cheap_s = 0.0;
-  double good_s = 0.0;
+  double preliminary_s = 0.0;
+  double full_s = 0.0;
   std::vector<double> found;
   std::vector<double> stated;
   std::int64_t within = 0;
@@ -44,23 +44,23 @@ void study(const Scene& scene, std::size_t count) {
   for (const PreliminaryGroup& group : spread(preliminary_groups(scene, job), count)) {
     nodes += std::ssize(group);
     double began = cpu_s();
-    std::map<std::int32_t, NodeResponse> cheap;
+    std::map<std::int32_t, NodeResponse> preliminary;
     for (const WorkUnitNode& node : preliminary_answers(scene, job, group)) {
       if (node.tool == 0 && !node.response.depth_m.empty()) {
-        cheap[node.vertex] = node.response;
+        preliminary[node.vertex] = node.response;
       }
     }
-    cheap_s += cpu_s() - began;
+    preliminary_s += cpu_s() - began;
     began = cpu_s();
-    const auto good =
+    const auto full =
         press_on_own_mesh(scene, job.body, tool, group, job.strategy.focus, {});
-    good_s += cpu_s() - began;
-    for (const PressedNode& node : good) {
+    full_s += cpu_s() - began;
+    for (const PressedNode& node : full) {
       const WorkUnitNode answer = answer_of(scene, job, tool, node);
-      if (answer.response.depth_m.empty() || !cheap.contains(node.vertex)) {
+      if (answer.response.depth_m.empty() || !preliminary.contains(node.vertex)) {
         continue;
       }
-      const NodeResponse& rough = cheap.at(node.vertex);
+      const NodeResponse& rough = preliminary.at(node.vertex);
       found.push_back(response_difference(
           rough, answer.response, job.body.normal.row(node.vertex).transpose()));
       stated.push_back(rough.error_relative);
@@ -70,12 +70,13 @@ void study(const Scene& scene, std::size_t count) {
   std::sort(found.begin(), found.end());
   std::sort(stated.begin(), stated.end());
   fmt::print(
-      "nodes {}: cheap {:.3f} s, good {:.3f} s a node; off by {:.1f} % in the median, "
+      "nodes {}: preliminary {:.3f} s, full {:.3f} s a node; off by {:.1f} % in the "
+      "median, "
       "{:.1f} % at the 95th percentile; stated {:.1f} % in the median, holds at {:.3f} "
       "of {}\n",
-      nodes, cheap_s / static_cast<double>(nodes), good_s / static_cast<double>(nodes),
-      100 * quantile(found, 0.5), 100 * quantile(found, 0.95),
-      100 * quantile(stated, 0.5),
+      nodes, preliminary_s / static_cast<double>(nodes),
+      full_s / static_cast<double>(nodes), 100 * quantile(found, 0.5),
+      100 * quantile(found, 0.95), 100 * quantile(stated, 0.5),
       static_cast<double>(within) / static_cast<double>(found.size()), found.size());
 }
 

@@ -71,7 +71,7 @@ Result result_of(const FastCommand& command) {
   result.stored_j = command.stored_j;
   result.tank_j = command.tank_j;
   result.dissipated_j = command.dissipated_j;
-  result.shift_m = static_cast<double>(command.relaxed_shift_m);
+  result.shift_m = static_cast<double>(command.rest_offset_m);
   result.triangle = contact(fast).triangle;
   result.fault = command.fault;
   return result;

@@ -17,7 +17,7 @@ class State(ctypes.Structure):
     _fields_ = [("struct_size", ctypes.c_size_t), ("status", ctypes.c_int32), ("triangle", ctypes.c_int32)] + [
         (name, ctypes.c_double * 3) for name in ("contact_point", "normal", "force")] + [
         (name, ctypes.c_double) for name in (
-            "depth", "work_j", "stored_j", "tank_j", "dissipated_j", "relaxed_shift", "force_scale", "tilt_rad")] + [
+            "depth", "work_j", "stored_j", "tank_j", "dissipated_j", "rest_offset", "force_scale", "tilt_rad")] + [
         ("starved", ctypes.c_int32), ("extrapolated", ctypes.c_int32), ("ticks", ctypes.c_uint64)]
 
 

@@ -33,12 +33,12 @@ def turned(n=1500):
 
 
 def account_of(renderer):
-    return [renderer.work_j, renderer.stored_j, renderer.tank_j, renderer.dissipated_j, renderer.relaxed_shift_m,
+    return [renderer.work_j, renderer.stored_j, renderer.tank_j, renderer.dissipated_j, renderer.rest_offset_m,
             renderer.depth_m, *renderer.contact_point, *renderer.normal, renderer.triangle, renderer.ticks]
 
 
 def account_by_c(state):
-    return [state.work_j, state.stored_j, state.tank_j, state.dissipated_j, state.relaxed_shift, state.depth,
+    return [state.work_j, state.stored_j, state.tank_j, state.dissipated_j, state.rest_offset, state.depth,
             *state.contact_point, *state.normal, state.triangle, state.ticks]
 
 
@@ -387,11 +387,11 @@ def test_a_scene_is_rendered_while_it_is_computed(tmp_path):
         press(renderer)
         answers.append(renderer.answer)
         time.sleep(0.05)
-    assert renderer.service["state"] == "done" and renderer.service["good"] > 0, renderer.service
+    assert renderer.service["state"] == "done" and renderer.service["finished"] > 0, renderer.service
     meanwhile = press(renderer)
-    assert renderer.answer == "good" and set(answers) <= {"none", "estimated", "cheap", "good"}
+    assert renderer.answer == "final" and set(answers) <= {"none", "estimated", "preliminary", "final"}
     whole = palpate.Renderer(output)
-    assert (whole.answer, whole.service) == ("good", None)
+    assert (whole.answer, whole.service) == ("final", None)
     assert press(whole)[2] == pytest.approx(meanwhile[2], rel=0.02) and meanwhile[2] > 0.01
     with pytest.raises(palpate.InputError):
         palpate.Renderer(tmp_path / "missing.toml")

@@ -35,7 +35,7 @@ class ServedPlate : public testing::Test {
   FakeService::Script plain(FakeService*& service) {
     return [&](ServiceConnection& to, const GoesOn& goes_on) {
       (void)to.send(served_scene(database_), milliseconds(1000));
-      (void)to.send(served_responses(database_, AnswerQuality::kCheap),
+      (void)to.send(served_responses(database_, AnswerQuality::kPreliminary),
                     milliseconds(1000));
       while (service == nullptr) {
         std::this_thread::sleep_for(milliseconds(1));

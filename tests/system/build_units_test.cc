@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One territory, and checks.
+// One cluster, and checks.
 constexpr const char* kUnitsScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"

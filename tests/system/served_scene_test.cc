@@ -78,13 +78,13 @@ TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
   EXPECT_EQ(service["state"], "done") << service;
   EXPECT_EQ(service["detail"], (folder_ / "out.h5").string());
   EXPECT_GT(service["answers"], 10);
-  EXPECT_GT(service["ticks"]["good"], 1000) << service;
+  EXPECT_GT(service["ticks"]["final"], 1000) << service;
   EXPECT_GT(json["force_max_n"], 0.0);
   EXPECT_EQ(json["fault"], "none");
   std::ifstream csv(folder_ / "q.csv");
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line, "second,none,estimated,cheap,good");
+  EXPECT_EQ(line, "second,none,estimated,preliminary,final");
   EXPECT_TRUE(std::getline(csv, line));
   // A page looks on while a device presses it.
   const ToolRun watched =
@@ -166,7 +166,7 @@ TEST_F(SceneWhileComputed, AHostInCFeelsItComeIn) {
       "c_scene_host", {(folder_ / "scene.toml").string(), (folder_ / "out.h5").string(),
                        server.string(), "0", "0", "0.0467", "0.06", "0.003"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
-  EXPECT_NE(run.out.find("good"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("final"), std::string::npos) << run.out;
 }
 
 TEST_F(SceneWhileComputed, SaysWhatIsWrong) {
@@ -182,7 +182,7 @@ TEST_F(SceneWhileComputed, SaysWhatIsWrong) {
   const ToolRun broken = view(
       {(folder_ / "broken.toml").string(), "-o", (folder_ / "broken.h5").string()});
   EXPECT_EQ(broken.exit_code, 2);
-  EXPECT_NE(broken.err.find("exit code 2 before it told its scene"), std::string::npos)
+  EXPECT_NE(broken.err.find("exit code 2 before it sent its scene"), std::string::npos)
       << broken.err;
   const std::string database = (*made_ / "whole.h5").string();
   for (const std::vector<std::string>& command :

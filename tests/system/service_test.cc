@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-// One territory of seven places and a check, by so large a ball that meshes are coarse.
+// One cluster of seven places and a check, by so large a ball that meshes are coarse.
 const std::string kServedScene = organ_on_table("linear") + R"([[tool]]
 name = "fingertip"
 shape = "sphere"
@@ -43,8 +43,8 @@ verify = 1
 // Everything that a service says, as one who joined hears it.
 struct Heard {
   std::optional<ServedScene> scene;
-  std::map<std::int32_t, WorkUnitNode> cheap;
-  std::map<std::int32_t, WorkUnitNode> good;
+  std::map<std::int32_t, WorkUnitNode> preliminary;
+  std::map<std::int32_t, WorkUnitNode> final_answer;
   std::optional<ServedEnd> end;
 
   void take(const ServiceMessage& message) {
@@ -52,7 +52,8 @@ struct Heard {
       scene = *first;
     } else if (const auto* responses = std::get_if<ServedResponses>(&message)) {
       for (const WorkUnitNode& node : responses->node) {
-        auto& answers = responses->quality == AnswerQuality::kGood ? good : cheap;
+        auto& answers =
+            responses->quality == AnswerQuality::kFinal ? final_answer : preliminary;
         answers[node.vertex] = node;
       }
     } else if (const auto* last = std::get_if<ServedEnd>(&message)) {
@@ -141,18 +142,19 @@ TEST_F(ServiceTest, AnswersAllAndLeavesTheBytesOfABuild) {
   const ResponseDatabase whole = read_database(path("whole.h5"));
   const ResponseTable& table = whole.tools.front();
   ASSERT_GT(heard.scene->reachable.size(), 5U);
-  EXPECT_FALSE(heard.cheap.empty());
+  EXPECT_FALSE(heard.preliminary.empty());
   for (const std::int32_t v : heard.scene->reachable) {
-    ASSERT_TRUE(heard.good.contains(v)) << v;
-    const NodeResponse& good = heard.good.at(v).response;
+    ASSERT_TRUE(heard.final_answer.contains(v)) << v;
+    const NodeResponse& final_answer = heard.final_answer.at(v).response;
     const CurveView stored = table.curve(v);
     EXPECT_TRUE(std::equal(stored.force_n.begin(), stored.force_n.end(),
-                           good.force_n.begin(), good.force_n.end()))
+                           final_answer.force_n.begin(), final_answer.force_n.end()))
         << v;
     // Preliminary answers are the same press on a mesh that is half as fine.
-    if (heard.cheap.contains(v)) {
-      const NodeResponse& cheap = heard.cheap.at(v).response;
-      EXPECT_NEAR(cheap.force_n.back(), good.force_n.back(), 0.3 * good.force_n.back())
+    if (heard.preliminary.contains(v)) {
+      const NodeResponse& preliminary = heard.preliminary.at(v).response;
+      EXPECT_NEAR(preliminary.force_n.back(), final_answer.force_n.back(),
+                  0.3 * final_answer.force_n.back())
           << v;
     }
   }

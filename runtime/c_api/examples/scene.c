@@ -1,4 +1,4 @@
-/* Presses a body while it is computed, until the place answers for good.
+/* Presses a body while it is computed, until the place has its final answer.
  *   scene SCENE.toml OUTPUT.h5 PALPATE-PRECOMPUTE X Y Z RADIUS DEPTH
  * (metres; down the z axis) */
 #define _POSIX_C_SOURCE 199309L
@@ -8,7 +8,7 @@
 #include <time.h>
 
 int main(int argc, char** argv) {
-  static const char* const kAnswer[] = {"none", "estimated", "cheap", "good"};
+  static const char* const kAnswer[] = {"none", "estimated", "preliminary", "final"};
   const struct timespec tick = {0, 1000000};
   char error[256];
   double position[3], force[3];
@@ -45,11 +45,11 @@ int main(int argc, char** argv) {
       answer = state.answer;
       printf("%.0f s: %s, %.4f N\n", 0.001 * i, kAnswer[answer], force[2]);
     }
-    if (answer == PALPATE_ANSWER_GOOD) {
+    if (answer == PALPATE_ANSWER_FINAL) {
       break;
     }
     nanosleep(&tick, NULL);
   }
   palpate_close(body);
-  return answer != PALPATE_ANSWER_GOOD;
+  return answer != PALPATE_ANSWER_FINAL;
 }

@@ -7,7 +7,7 @@ import { toolGeometries } from "/tool_shape.js";
 import { Yielding } from "/yielding.js";
 
 // Vertex colours by stiffness; grey where there is no response, half grey where it is a
-// cheap one.
+// preliminary one.
 function vertexColours(body) {
   const { low_n_per_m: low, high_n_per_m: high, colours } = body.text.map;
   const ramp = colourRamp(colours);

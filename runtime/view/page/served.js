@@ -8,7 +8,7 @@ const kTroubles = ["lost", "nonsense", "another scene", "failed"];
 export class Served {
   constructor(app) {
     this.app = app;
-    app.body.quality = new Uint8Array(app.body.stiffness.length);  // 0 none, 1 cheap, 2 good
+    app.body.quality = new Uint8Array(app.body.stiffness.length);  // 0 none, 1 preliminary, 2 final
     get("service").hidden = false;
     get("anew").addEventListener("click", () => app.link.run("anew"));
     get("colour_bar").hidden = true;  // until there is a range
@@ -19,7 +19,7 @@ export class Served {
     const { body, view } = this.app;
     message.node.forEach((node, k) => {
       body.stiffness[node] = message.stiffness[k] ?? NaN;
-      body.quality[node] = 1 + message.good[k];
+      body.quality[node] = 1 + message.final[k];
     });
     Object.assign(body.text.map, { low_n_per_m: message.low_n_per_m, high_n_per_m: message.high_n_per_m });
     if (message.force_max_n > 0) {
@@ -36,7 +36,7 @@ export class Served {
     const trouble = kTroubles.includes(service.state);
     const whole = service.state === "done";
     const counts = service.nodes > 0
-      ? `${service.cheap} of ${service.nodes} places answer, ${service.good} of them finally`
+      ? `${service.answered} of ${service.nodes} places answer, ${service.finished} of them finally`
       : "no place answers yet";
     const stage = service.state === "serving" ? service.stage || "begins" : service.state;
     const why = service.detail ? ` (${service.detail})` : "";

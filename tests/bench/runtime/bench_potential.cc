@@ -149,7 +149,7 @@ std::string to_json(const PotentialBenchReport& report) {
                             {"work_j", row.work_j},
                             {"normal_error_max", row.normal_error_max},
                             {"normal_error_rms", row.normal_error_rms},
-                            {"relaxed_shift_max_m", row.shift_max_m}});
+                            {"rest_offset_max_m", row.shift_max_m}});
   }
   json["angle"] = {{"upper_edge_deg", kAngleEdgesDeg},
                    {"count", report.angle.count},

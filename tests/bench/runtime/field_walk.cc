@@ -158,7 +158,7 @@ FieldAccount render(const FieldWalk& walk, LocalModel model) {
     account.lowest_felt_j = std::min(account.lowest_felt_j, felt);
     account.contact_ticks += command.in_contact ? 1 : 0;
     account.starved_ticks += command.starved ? 1 : 0;
-    account.shift_max_m = std::max(account.shift_max_m, command.relaxed_shift_m);
+    account.shift_max_m = std::max(account.shift_max_m, command.rest_offset_m);
     if (command.in_contact) {
       compare(account, *state, x, command);
     }

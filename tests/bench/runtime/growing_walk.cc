@@ -80,7 +80,7 @@ class Changing {
       answer.response.direction = Eigen::AngleAxisd(6.28 * uniform_(random_), n) *
                                   Eigen::AngleAxisd(o_.tilt_rad, axis) * n;
     }
-    return grown_node(table_.tool, answer, GrownQuality::kGood,
+    return grown_node(table_.tool, answer, GrownQuality::kFinal,
                       database_.body.position_m.row(node).transpose(), n);
   }
 

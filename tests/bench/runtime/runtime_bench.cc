@@ -97,7 +97,7 @@ void add_grow(Command app) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     flags->model = requested_model(flags->model_name);
-    flags->stop = &heed_stop_signals();
+    flags->stop = &stop_signals();
     const GrowingWalkReport report = run_growing_walk(*flags);
     print_rows(report, flags->json);
   });

@@ -93,7 +93,7 @@ TEST(TimeDrift, IsRefusedWhereItCannotBeTold) {
     return correct_press(m, nullptr).corrections.drift.refused;
   };
   EXPECT_NE(refused(drifting_loop({.drift_n_per_s = 2e-3, .retract = false}, 3))
-                .find("cannot be told from one with displacement"),
+                .find("cannot be distinguished from one with displacement"),
             std::string::npos);
   EXPECT_EQ(refused(synthetic({}, 1)), "no time column");
   const CorrectedPress leap = correct_press(drifting_loop({.leap_n = 0.1}, 4), nullptr);

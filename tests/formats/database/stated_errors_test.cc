@@ -35,7 +35,7 @@ std::vector<NodeResponse> responses() {
     response.origin = ResponseOrigin::kSimulated;
     response.error_relative = kEstimate;
   }
-  all.front().flags = kHardPath;
+  all.front().flags = kNearSingular;
   return all;
 }
 

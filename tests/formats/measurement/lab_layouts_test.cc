@@ -152,7 +152,7 @@ TEST_F(LabLayouts, AStandardDeviationIsNoForce) {
 
 TEST_F(LabLayouts, AMarkOfCommentsBelongsToNoName) {
   InstrumentRequest request;
-  request.told = {{"z", "m"}, {"f", "N"}, MeasurementColumn{"%time", "ns"}};
+  request.given = {{"z", "m"}, {"f", "N"}, MeasurementColumn{"%time", "ns"}};
   const MeasurementFile file = read("%time,z,f\n1000,0,1\n2000,1,2\n", 0, request);
   EXPECT_NEAR(file.samples.time_s[1], 2e-6, 1e-18);
 }

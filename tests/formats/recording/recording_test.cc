@@ -43,7 +43,7 @@ TickRecord tick(std::int64_t i) {
           .stored_j = x / 13.0,
           .tank_j = x / 17.0,
           .dissipated_j = x / 19.0,
-          .relaxed_shift_m = x / 23.0,
+          .rest_offset_m = x / 23.0,
           .triangle = static_cast<std::int32_t>(i % 100),
           .flags = static_cast<std::uint8_t>(i % 32),
           .raised = static_cast<std::uint8_t>(i % 3),
@@ -81,7 +81,7 @@ void expect_equal(const TickRecord& a, const TickRecord& b) {
   EXPECT_EQ(a.stored_j, b.stored_j);
   EXPECT_EQ(a.tank_j, b.tank_j);
   EXPECT_EQ(a.dissipated_j, b.dissipated_j);
-  EXPECT_EQ(a.relaxed_shift_m, b.relaxed_shift_m);
+  EXPECT_EQ(a.rest_offset_m, b.rest_offset_m);
   EXPECT_EQ(a.triangle, b.triangle);
   EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.raised, b.raised);

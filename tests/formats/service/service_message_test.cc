@@ -26,7 +26,7 @@ ServedScene sample_scene() {
 }
 
 ServedResponses sample_responses() {
-  return {.quality = AnswerQuality::kGood, .node = sample_units().front().node};
+  return {.quality = AnswerQuality::kFinal, .node = sample_units().front().node};
 }
 
 template <typename T>
@@ -95,18 +95,18 @@ TEST(ServiceMessage, MoreValuesThanTheMemoryHoldsAreRefused) {
 TEST(ServiceMessage, ResponsesComeThroughWhole) {
   const ServedResponses sent = sample_responses();
   const ServedResponses got = through_the_wire(sent);
-  EXPECT_EQ(got.quality, AnswerQuality::kGood);
+  EXPECT_EQ(got.quality, AnswerQuality::kFinal);
   EXPECT_EQ(to_bytes(WorkUnitOutcome{.index = 1, .node = got.node}),
             to_bytes(WorkUnitOutcome{.index = 1, .node = sent.node}));
 }
 
 TEST(ServiceMessage, OthersComeThroughWhole) {
   const auto progress = through_the_wire(ServedProgress{
-      .stage = "preliminary answers", .nodes = 9, .cheap = 5, .good = 2});
+      .stage = "preliminary answers", .nodes = 9, .answered = 5, .finished = 2});
   EXPECT_EQ(progress.stage, "preliminary answers");
   EXPECT_EQ(progress.nodes, 9);
-  EXPECT_EQ(progress.cheap, 5);
-  EXPECT_EQ(progress.good, 2);
+  EXPECT_EQ(progress.answered, 5);
+  EXPECT_EQ(progress.finished, 2);
   const auto end = through_the_wire(ServedEnd{.file = "a.h5", .failure = "b"});
   EXPECT_EQ(end.file, "a.h5");
   EXPECT_EQ(end.failure, "b");

@@ -133,7 +133,7 @@ TEST_F(StatedErrors, ImagesOfOneNodeAgreeWithinThemOrAreFlagged) {
     const std::int64_t middle = order[order.size() / 2];
     for (const std::int64_t v : nodes) {
       const auto i = static_cast<std::size_t>(v);
-      if ((table.flags[i] & (kHardPath | kCoarseContact)) != 0) {
+      if ((table.flags[i] & (kNearSingular | kCoarseContact)) != 0) {
         ++flagged;
       } else if (v != middle) {
         ++compared;

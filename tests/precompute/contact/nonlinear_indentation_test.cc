@@ -245,7 +245,7 @@ TEST_F(PressIntoGel, AnEasyPathPassesOverSteps) {
   patient.newton_easy = patient.equilibrium.newton_max;
   const NonlinearIndentation result = few.press(patient);
   ASSERT_TRUE(result.converged()) << result.failure;
-  EXPECT_FALSE(result.hard_path);
+  EXPECT_FALSE(result.near_singular);
   ASSERT_EQ(result.sample.size(), std::size_t{kSteps / 8});
   for (std::size_t k = 0; k < result.sample.size(); ++k) {
     ASSERT_EQ(result.sample[k].step, 8 * k + 7);
@@ -261,7 +261,7 @@ TEST_F(PressIntoGel, AHardPathTakesTheStepsItWouldPassOver) {
   hasty.newton_easy = 1;  // nothing is easy
   const NonlinearIndentation result = few.press(hasty);
   ASSERT_TRUE(result.converged()) << result.failure;
-  EXPECT_TRUE(result.hard_path);
+  EXPECT_TRUE(result.near_singular);
   ASSERT_EQ(result.sample.size(), std::size_t{kSteps});
   NonlinearOptions stiff = exact();
   stiff.stiff = true;
@@ -282,7 +282,7 @@ TEST_F(PressIntoGel, AUsualPressTakesFewStepsAndIsNotHard) {
     gradients += sample.gradients;
     lagrange += sample.lagrange;
   }
-  EXPECT_FALSE(usual_.hard_path);
+  EXPECT_FALSE(usual_.near_singular);
   EXPECT_LE(newton, 10 * kSteps);
   EXPECT_LE(gradients, 60 * kSteps);
   EXPECT_LE(lagrange, 8 * kSteps);
@@ -321,7 +321,7 @@ TEST_F(PressIntoGel, WhatDoesNotConvergeSaysSoAndKeepsWhatItHas) {
   const NonlinearIndentation failed = gel_->press(hasty);
   EXPECT_FALSE(failed.converged());
   EXPECT_LT(failed.sample.size(), std::size_t{kSteps});
-  EXPECT_TRUE(failed.hard_path);
+  EXPECT_TRUE(failed.near_singular);
   EXPECT_NE(failed.failure.find("Newton steps"), std::string::npos) << failed.failure;
   EXPECT_NE(failed.failure.find("mm: "), std::string::npos) << failed.failure;
 }

@@ -229,7 +229,7 @@ TEST_F(PressedMiddle, DepthsOnTheWayToAHardOneAreSolvedAndTheOthersAreToldAsBefo
   }
   const auto& solved = node.nonlinear->sample;
   ASSERT_LT(solved.size(), std::size_t{kDepths});
-  EXPECT_TRUE(node.indentation.hard_path);
+  EXPECT_TRUE(node.indentation.near_singular);
   for (std::size_t i = 0; i < solved.size(); ++i) {
     EXPECT_EQ(node.indentation.sample[solved[i].step + 1].force_n, solved[i].force_n);
   }

@@ -127,8 +127,8 @@ TEST_F(OddPresses, ThePathOfANonlinearPressBeginsAtItsTouchAlsoWhereThatIsNegati
   const SurfaceMesh body = relief(kHalf, -0.01, kCells, cup);
   const PressedNode soft =
       press(body, {middle()}, "neo-hookean", 0.009, 0.001, 8).front();
-  ASSERT_TRUE(is_guide(soft.indentation));
-  ASSERT_TRUE(is_guide(soft.linear));
+  ASSERT_TRUE(is_predictor(soft.indentation));
+  ASSERT_TRUE(is_predictor(soft.linear));
   const auto ratio = path_ratio(soft.indentation, soft.linear);
   ASSERT_TRUE(ratio);
   for (Eigen::Index k = 0; k < 2; ++k) {  // up to a sixteenth of the depth
@@ -257,19 +257,19 @@ TEST(Guides, PressesWithoutForceAtSomeDepthAreNone) {
     path.sample.push_back(
         {.penetration_m = 1e-3 * k, .force_n = Eigen::Vector3d(0.0, 0.0, 0.1 * k)});
   }
-  EXPECT_TRUE(is_guide(path));
+  EXPECT_TRUE(is_predictor(path));
   Indentation lost = path;  // contact lost on the way
   lost.sample[3].force_n.setZero();
-  EXPECT_FALSE(is_guide(lost));
+  EXPECT_FALSE(is_predictor(lost));
   EXPECT_FALSE(path_ratio(lost, path));
   EXPECT_FALSE(path_ratio(path, lost));
   Indentation broken = path;
   broken.sample[2].force_n[0] = std::nan("");
-  EXPECT_FALSE(is_guide(broken));
+  EXPECT_FALSE(is_predictor(broken));
   EXPECT_NE(broken_rule(broken), "");
   Indentation other = path;  // another mechanism at one depth
   other.sample[4].force_n *= 20.0;
-  EXPECT_TRUE(is_guide(other));
+  EXPECT_TRUE(is_predictor(other));
   EXPECT_FALSE(path_ratio(other, path));
 }
 

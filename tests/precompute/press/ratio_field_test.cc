@@ -78,13 +78,13 @@ TEST_F(RatioFields, TakeTheRatioOfTheAlikeNeighbour) {
 TEST_F(RatioFields, SayThatPathsAreHardWhereMostOfTheRatioIsOfSuch) {
   const Indentation soft = straight_path(100.0);
   Indentation hard = straight_path(110.0);
-  hard.hard_path = true;
+  hard.near_singular = true;
   RatioField field(body_, normal_, 0.002);
   field.add(0, soft, path_ratio(hard, soft));
   field.add(2, soft, path_ratio(straight_path(110.0), soft));
   const RatioModel ratios(field);
-  EXPECT_TRUE(scaled(soft, ratios.at(1, soft), kAnyForce).hard_path);
-  EXPECT_FALSE(scaled(soft, ratios.from_others(0, soft), kAnyForce).hard_path);
+  EXPECT_TRUE(scaled(soft, ratios.at(1, soft), kAnyForce).near_singular);
+  EXPECT_FALSE(scaled(soft, ratios.from_others(0, soft), kAnyForce).near_singular);
 }
 
 TEST_F(RatioFields, KeepAConstantRatioExactly) {
@@ -135,7 +135,7 @@ TEST_F(RatioFields, ExpectErrorsNearPressesThatAreNotAlike) {
 class Rim : public testing::Test {
  protected:
   static constexpr std::int32_t kVertices = 36;
-  static constexpr double kCheapLean = 0.05;
+  static constexpr double kLinearLean = 0.05;
 
   Rim() {
     body_.position_m.resize(kVertices, 3);
@@ -167,21 +167,21 @@ class Rim : public testing::Test {
   }
 
   // Of the vertices between every sixth, the largest angle that predictions are off.
-  [[nodiscard]] double largest_angle(double cheap_lean, double good_lean) const {
+  [[nodiscard]] double largest_angle(double linear_lean, double full_lean) const {
     RatioField field(body_, normal_, 0.002);
     for (std::int32_t v = 0; v < kVertices; v += 6) {
-      const Indentation linear = press(v, 100.0, cheap_lean);
-      field.add(v, linear, path_ratio(press(v, 90.0, good_lean, 0.01), linear));
+      const Indentation linear = press(v, 100.0, linear_lean);
+      field.add(v, linear, path_ratio(press(v, 90.0, full_lean, 0.01), linear));
     }
     const RatioModel ratios(field);
     double largest = 0.0;
     for (std::int32_t v = 0; v < kVertices; ++v) {
-      const Indentation linear = press(v, 100.0, cheap_lean);
+      const Indentation linear = press(v, 100.0, linear_lean);
       const Indentation told = scaled(linear, ratios.at(v, linear), kAnyForce);
-      const Indentation good = press(v, 90.0, good_lean, 0.01);
-      for (std::size_t k = 1; k < good.sample.size(); ++k) {
+      const Indentation full = press(v, 90.0, full_lean, 0.01);
+      for (std::size_t k = 1; k < full.sample.size(); ++k) {
         largest = std::max(largest, (told.sample[k].force_n.normalized() -
-                                     good.sample[k].force_n.normalized())
+                                     full.sample[k].force_n.normalized())
                                         .norm());
       }
     }
@@ -194,21 +194,21 @@ class Rim : public testing::Test {
 
 // What all vertices share in their own frame is known everywhere.
 TEST_F(Rim, TurnsOfForcesFollowTheFrameOfTheVertex) {
-  EXPECT_LT(largest_angle(kCheapLean, 0.35), 0.002);
+  EXPECT_LT(largest_angle(kLinearLean, 0.35), 0.002);
 }
 
 TEST_F(Rim, LeftOutErrorsCountTheTurn) {
   RatioField field(body_, normal_, 0.002);
   for (const std::int32_t v : {0, 6, 12, 18}) {
-    const Indentation linear = press(v, 100.0, kCheapLean);
+    const Indentation linear = press(v, 100.0, kLinearLean);
     field.add(v, linear,
-              path_ratio(press(v, 100.0, v == 6 ? 0.35 : kCheapLean), linear));
+              path_ratio(press(v, 100.0, v == 6 ? 0.35 : kLinearLean), linear));
   }
   const RatioModel ratios(field);
   // All of the error is the turn of 0.3 rad that nobody else has.
   EXPECT_NEAR(ratios.left_out_errors()[1], 2.0 * std::sin(0.15), 0.01);
   EXPECT_GT(ratios.left_out_errors()[0], 0.01);
-  EXPECT_GT(ratios.error_at(7, press(7, 100.0, kCheapLean)), 0.05);
+  EXPECT_GT(ratios.error_at(7, press(7, 100.0, kLinearLean)), 0.05);
 }
 
 // Where a linear force does not lean, its frame has no way along the surface, and no

@@ -129,8 +129,9 @@ TEST(Recipe, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
             "solved depths do not tell those between them: every depth");
   // Where that fails the few are kept.
   EXPECT_EQ(last_taken(follow(kPolicy, unsure, {failed(5)})), 0U);
-  // A hard path only where it would err twice as much, and then in stiff contact.
-  unsure.hard_path = true;
+  // A near-singular path only where it would err twice as much, and then in stiff
+  // contact.
+  unsure.near_singular = true;
   EXPECT_EQ(follow(kPolicy, unsure, {}).size(), 1U);
   unsure.between_error = 0.04;
   EXPECT_TRUE(follow(kPolicy, unsure, {kGood})[1].recipe.stiff);

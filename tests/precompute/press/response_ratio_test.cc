@@ -1,4 +1,4 @@
-// Ratios of good and linear presses: what they reproduce, and between which vertices.
+// Ratios of full and linear presses: what they reproduce, and between which vertices.
 #include "precompute/press/response_ratio.h"
 
 #include <array>
@@ -26,15 +26,15 @@ Indentation path(double k_n_per_m, double turn_per_m = 0.0, double depth_m = 0.0
 }
 
 TEST(PathRatio, MakesTheGoodPathOutOfTheCheapOne) {
-  const Indentation good = path(130.0, 20.0);
+  const Indentation full = path(130.0, 20.0);
   const Indentation linear = path(100.0);
-  const auto ratio = path_ratio(good, linear);
+  const auto ratio = path_ratio(full, linear);
   ASSERT_TRUE(ratio);
   const Indentation made = scaled(linear, *ratio, kInfinity);
-  ASSERT_EQ(made.sample.size(), good.sample.size());
-  for (std::size_t k = 0; k < good.sample.size(); ++k) {
-    EXPECT_LT((made.sample[k].force_n - good.sample[k].force_n).norm(), 1e-12);
-    EXPECT_DOUBLE_EQ(made.sample[k].penetration_m, good.sample[k].penetration_m);
+  ASSERT_EQ(made.sample.size(), full.sample.size());
+  for (std::size_t k = 0; k < full.sample.size(); ++k) {
+    EXPECT_LT((made.sample[k].force_n - full.sample[k].force_n).norm(), 1e-12);
+    EXPECT_DOUBLE_EQ(made.sample[k].penetration_m, full.sample[k].penetration_m);
   }
 }
 
@@ -43,9 +43,9 @@ TEST(PathRatio, CarriesOverToAnotherMeshOfTheSameVertex) {
   const auto ratio = path_ratio(path(1.07 * 130.0, 20.0), path(1.07 * 100.0));
   ASSERT_TRUE(ratio);
   const Indentation made = scaled(path(100.0), *ratio, kInfinity);
-  const Indentation good = path(130.0, 20.0);
-  for (std::size_t k = 0; k < good.sample.size(); ++k) {
-    EXPECT_LT((made.sample[k].force_n - good.sample[k].force_n).norm(), 1e-12);
+  const Indentation full = path(130.0, 20.0);
+  for (std::size_t k = 0; k < full.sample.size(); ++k) {
+    EXPECT_LT((made.sample[k].force_n - full.sample[k].force_n).norm(), 1e-12);
   }
 }
 

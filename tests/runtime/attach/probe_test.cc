@@ -94,7 +94,7 @@ TEST(Probe, LimitsAreOnTheSafeSideOfWhatWasMade) {
   EXPECT_LE(limits.coulomb_n, 0.033);
   EXPECT_GE(limits.delay_s, 3e-3);
   EXPECT_LE(stability_bounds(limits, 1e-3).delay_n_per_m, 0.5 / (0.5e-3 + 3e-3));
-  // A damping that cannot be told from none is not taken for one.
+  // A damping that cannot be distinguished from none is not taken for one.
   config.damping_n_s_per_m = 0.0;
   EXPECT_EQ(
       probed_limits(probed(config, {}), {.damping_n_s_per_m = 0.7}).damping_n_s_per_m,

@@ -29,10 +29,11 @@ class PalpateScene : public PressedPlateHost {
       while (goes_on() && to.is_open()) {
         if (answers_ && !sent) {
           sent = true;
-          (void)to.send(served_responses(database_, AnswerQuality::kGood),
+          (void)to.send(served_responses(database_, AnswerQuality::kFinal),
                         milliseconds(1000));
           (void)to.send(
-              ServedProgress{.stage = "", .nodes = 121, .cheap = 121, .good = 121},
+              ServedProgress{
+                  .stage = "", .nodes = 121, .answered = 121, .finished = 121},
               milliseconds(1000));
         }
         if (const auto hand = to.receive(milliseconds(5))) {
@@ -66,7 +67,7 @@ class PalpateScene : public PressedPlateHost {
     answers_ = true;
     ASSERT_TRUE(comes_true(
         [&] {
-          return service().good == 121;
+          return service().finished == 121;
         },
         milliseconds(5000)));
   }
@@ -106,10 +107,10 @@ TEST_F(PalpateScene, GivesNoForceUntilThereIsAnAnswerThenThatOfTheDatabase) {
   EXPECT_EQ(answer_under(tool), PALPATE_ANSWER_NONE);
   EXPECT_EQ(palpate_needed_damping(body_), 0.0);
   let_answer();
-  hover(tool, PALPATE_ANSWER_GOOD);
+  hover(tool, PALPATE_ANSWER_FINAL);
   const double felt_n = press(tool, 0.003).force[2];
   EXPECT_NEAR(felt_n, wall(0, 0.003), 1e-6);
-  hover(other, PALPATE_ANSWER_GOOD);
+  hover(other, PALPATE_ANSWER_FINAL);
   EXPECT_NEAR(press(other, 0.003).force[2], felt_n, 1e-6);
   // Friction's spring mu f / delta_L at 2 N is the stiffest thing of the plate.
   EXPECT_NEAR(palpate_needed_damping(body_), 0.3 * 2.0 / 5e-4 * 0.0005, 1e-6);
@@ -134,7 +135,7 @@ TEST_F(PalpateScene, EstimatesByTheMaterialWhereAsked) {
   EXPECT_NEAR(felt_n, hertz_n, 0.01 * hertz_n);  // 20 samples of a power of 1.5
   EXPECT_EQ(answer_under(tool), PALPATE_ANSWER_ESTIMATED);
   let_answer();
-  hover(tool, PALPATE_ANSWER_GOOD);
+  hover(tool, PALPATE_ANSWER_FINAL);
   EXPECT_NEAR(press(tool, 0.003).force[2], wall(0, 0.003), 1e-6);
 }
 
@@ -145,7 +146,7 @@ TEST_F(PalpateScene, SoftensWhatTheDeviceCannotRender) {
   palpate_tool* tool = open_scene(wanted);
   ASSERT_NE(tool, nullptr) << error_;
   let_answer();
-  hover(tool, PALPATE_ANSWER_GOOD);
+  hover(tool, PALPATE_ANSWER_FINAL);
   const double felt_n = press(tool, 0.003).force[2];
   EXPECT_NEAR(felt_n, 40.0 / 400.0 * wall(0, 0.003),
               1e-6);  // the steepest slope is 400

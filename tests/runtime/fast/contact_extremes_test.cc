@@ -212,10 +212,10 @@ TEST_P(ContactExtremes, NeverPopsThroughASheetOfOneMillimetre) {
         const double depth = radius - side * (x.z() - surface_m);
         // Flat and homogeneous: the curve, to rounding of 5 N, but for picometres that
         // the ledger bleeds back.
-        ASSERT_LT(command.relaxed_shift_m, 1e-10);
+        ASSERT_LT(command.rest_offset_m, 1e-10);
         ASSERT_NEAR(
             command.force_n.z(),
-            side * kStiffnessNPerM * std::max(0.0, depth - command.relaxed_shift_m),
+            side * kStiffnessNPerM * std::max(0.0, depth - command.rest_offset_m),
             1e-9);
         ASSERT_LT(command.force_n.head<2>().norm(), 1e-9);
         if (depth > 0.0) {

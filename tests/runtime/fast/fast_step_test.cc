@@ -299,14 +299,14 @@ TEST(FastStep, ToolThatStartsInsideFeelsNothingUntilItMoves) {
   FastState state = pressed(body, over_middle(body, 0.004));
   const FastCommand first = step(state, {over_middle(body, 0.004), 0}, kTickS);
   EXPECT_EQ(first.force_n.norm(), 0.0);
-  EXPECT_NEAR(first.relaxed_shift_m, 0.004, 1e-9);
+  EXPECT_NEAR(first.rest_offset_m, 0.004, 1e-9);
   const FastCommand deeper = step(state, {over_middle(body, 0.005), 0}, kTickS);
   EXPECT_GT(deeper.force_n.z(), 0.0);
   for (int n = 0; n < 100; ++n) {
     (void)step(state, {over_middle(body, 0.004 - 1e-4 * n), 0}, kTickS);
   }
   const FastCommand again = step(state, {over_middle(body, 0.004), 0}, kTickS);
-  EXPECT_EQ(again.relaxed_shift_m, 0.0);
+  EXPECT_EQ(again.rest_offset_m, 0.0);
   EXPECT_NEAR(again.force_n.z(), body.element[0].node[0].curve().at(0.004).force_n,
               1e-12);
 }

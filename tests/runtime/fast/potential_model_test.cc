@@ -79,7 +79,7 @@ TEST(PotentialModel, WithoutFrictionTheLedgerNeverIntervenes) {
     }
     const FastCommand command = account.step(*state, x);
     contacts += command.in_contact ? 1 : 0;
-    shift = std::max(shift, command.relaxed_shift_m);
+    shift = std::max(shift, command.rest_offset_m);
   }
   EXPECT_EQ(state->safety.fault, Fault::kNone);
   EXPECT_EQ(state->ledger.interventions, 0U);

@@ -64,7 +64,7 @@ TEST_P(RelaxedState, ANewerCopyActsAtTheTickInWhichItCame) {
   make_stiff(0.5);
   const FastCommand command = go(kHeldDepth, true);
   EXPECT_NEAR(command.force_n.z(), 0.5 * kHeldStiffness * kHeldDepth, 1e-9);
-  EXPECT_EQ(command.relaxed_shift_m, 0.0);
+  EXPECT_EQ(command.rest_offset_m, 0.0);
 }
 
 // k' (d - delta)^2 = k d^2: what was stored, and no more.
@@ -72,7 +72,7 @@ TEST_P(RelaxedState, AStifferCopyIsMovedDeeper) {
   press();
   make_stiff(4.0);
   const FastCommand command = go(kHeldDepth, true);
-  EXPECT_NEAR(command.relaxed_shift_m, 0.5 * kHeldDepth, 1e-6 * kHeldDepth);
+  EXPECT_NEAR(command.rest_offset_m, 0.5 * kHeldDepth, 1e-6 * kHeldDepth);
   EXPECT_NEAR(command.force_n.z(), 4.0 * kHeldStiffness * 0.5 * kHeldDepth, 1e-4);
 }
 
@@ -80,11 +80,11 @@ TEST_P(RelaxedState, AStifferCopyIsMovedDeeper) {
 TEST_P(RelaxedState, ItIsBledBackAtItsSpeed) {
   press();
   make_stiff(4.0);
-  double shift_m = go(kHeldDepth, true).relaxed_shift_m;
+  double shift_m = go(kHeldDepth, true).rest_offset_m;
   for (int n = 0; n < 20; ++n) {
     state_->ledger.tank_j += 1e-3;  // as if others had freed it
     state_->ledger.work_j += 1e-3;
-    const double now_m = go(kHeldDepth).relaxed_shift_m;
+    const double now_m = go(kHeldDepth).rest_offset_m;
     EXPECT_NEAR(shift_m - now_m, state_->config.recovery_m_per_s * kTickS, 1e-12);
     shift_m = now_m;
   }
@@ -96,8 +96,8 @@ TEST_P(RelaxedState, ItSinksWithAToolThatLeaves) {
   make_stiff(4.0);
   (void)go(kHeldDepth, true);
   (void)go(0.4 * kHeldDepth);  // above the shifted surface
-  EXPECT_NEAR(go(0.3 * kHeldDepth).relaxed_shift_m, 0.3 * kHeldDepth, 1e-12);
-  EXPECT_EQ(go(-1e-4).relaxed_shift_m, 0.0);
+  EXPECT_NEAR(go(0.3 * kHeldDepth).rest_offset_m, 0.3 * kHeldDepth, 1e-12);
+  EXPECT_EQ(go(-1e-4).rest_offset_m, 0.0);
   (void)go(0.0);
   EXPECT_NEAR(go(1e-3).force_n.z(), 4.0 * kHeldStiffness * 1e-3, 1e-9);
 }

@@ -153,7 +153,7 @@ TEST_F(SeveralContactsRun, HungByACouplingAreSofter) {
   EXPECT_GE(hung.net_energy_j(), 0.0);
   // Who looks on sees where tool and device are.
   ASSERT_TRUE(watch_.fetch());
-  EXPECT_TRUE(watch_.latest().hung);
+  EXPECT_TRUE(watch_.latest().held);
   EXPECT_EQ(watch_.latest().count, 3);
   EXPECT_EQ(watch_.latest().hand[0].wrench.force_n,
             trace_.back().command.wrench[0].force_n);

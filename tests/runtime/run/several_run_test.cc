@@ -42,9 +42,9 @@ TEST_F(ContactRuns, PadsRelax) {
   relaxation.tau_s = {0.1, 2.0};
   relaxation.g = RowsOf<float>{{0.3F, 0.25F}};
   give_all(relaxation);
-  for (const bool hung : {false, true}) {
+  for (const bool held : {false, true}) {
     SimulationOptions o = options("pads");
-    if (hung) {
+    if (held) {
       o.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
     }
     Recording recording;
@@ -298,7 +298,7 @@ TEST_F(ContactRuns, HangByACoupling) {
     expect_balance(report.render);
     EXPECT_GT(report.render.contact_ticks, 1000);
     ASSERT_TRUE(report.coupling);
-    const HungAccount& a = report.coupling->account;
+    const VirtualToolAccount& a = report.coupling->account;
     EXPECT_LE(a.kinetic_j + a.spring_j, report.render.stored_j);
     EXPECT_GT(a.dissipated_j, 1e-5);
     EXPECT_LT(a.residual_j, 1e-12);

@@ -84,9 +84,9 @@ class GrowingPlate : public testing::Test {
 TEST_F(GrowingPlate, HasNoForceAtFirstAndTakesAnswersElsewhereAtOnce) {
   EXPECT_EQ(slope_of(turn()), 0.0);
   EXPECT_EQ(elements_.here(), GrownQuality::kNone);
-  answer_all(GrownQuality::kCheap, kSlope);
+  answer_all(GrownQuality::kPreliminary, kSlope);
   (void)turn();
-  EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);  // a corner, far away
+  EXPECT_EQ(elements_.quality(0), GrownQuality::kPreliminary);  // a corner, far away
   EXPECT_EQ(elements_.quality(body_.triangle(triangle_, 0)), GrownQuality::kNone);
 }
 
@@ -94,7 +94,7 @@ TEST_F(GrowingPlate, HasNoForceAtFirstAndTakesAnswersElsewhereAtOnce) {
 TEST_F(GrowingPlate, AnUpdateLooksAtNoMoreAnswersThanItsTimeAllows) {
   (void)turn();
   for (int i = 0; i < 10; ++i) {
-    answer_all(GrownQuality::kCheap, kSlope);
+    answer_all(GrownQuality::kPreliminary, kSlope);
   }
   const std::int64_t all = 10 * body_.position_m.rows();
   (void)turn();
@@ -104,12 +104,12 @@ TEST_F(GrowingPlate, AnUpdateLooksAtNoMoreAnswersThanItsTimeAllows) {
     (void)turn();
   }
   EXPECT_LT(elements_.waiting(), 20);  // those under the tool
-  EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);
+  EXPECT_EQ(elements_.quality(0), GrownQuality::kPreliminary);
 }
 
 TEST_F(GrowingPlate, UnderTheToolForceRisesAndFallsInSteps) {
   (void)turn();
-  answer_all(GrownQuality::kCheap, kSlope);
+  answer_all(GrownQuality::kPreliminary, kSlope);
   double before = 0.0;
   int turns = 0;
   for (; before < kSlope && turns < 200; ++turns) {
@@ -123,26 +123,26 @@ TEST_F(GrowingPlate, UnderTheToolForceRisesAndFallsInSteps) {
   EXPECT_GE(turns, 78);
   EXPECT_LE(turns, 82);
   (void)turn();
-  EXPECT_EQ(elements_.here(), GrownQuality::kCheap);
+  EXPECT_EQ(elements_.here(), GrownQuality::kPreliminary);
   EXPECT_EQ(elements_.waiting(), 0);
 
-  answer_all(GrownQuality::kGood, kSlope / 4.0);
+  answer_all(GrownQuality::kFinal, kSlope / 4.0);
   const double next = slope_of(turn());
   EXPECT_LT(next, kSlope);
   EXPECT_GE(next, kSlope * (1.0 - 1.01 * GrowingElements::kStepShare));
 }
 
 TEST_F(GrowingPlate, ACheapAnswerAfterAGoodOneIsOldNews) {
-  answer_all(GrownQuality::kGood, kSlope);
+  answer_all(GrownQuality::kFinal, kSlope);
   EXPECT_NEAR(slope_of(turn()), kSlope, 1e-9);
-  answer_all(GrownQuality::kCheap, 3.0 * kSlope);
+  answer_all(GrownQuality::kPreliminary, 3.0 * kSlope);
   EXPECT_NEAR(slope_of(turn()), kSlope, 1e-9);
   EXPECT_EQ(elements_.waiting(), 0);
   // Of another scene it is news.
   elements_.outdate();
   (void)turn();
-  EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);
-  answer_all(GrownQuality::kCheap, 3.0 * kSlope);
+  EXPECT_EQ(elements_.quality(0), GrownQuality::kPreliminary);
+  answer_all(GrownQuality::kPreliminary, 3.0 * kSlope);
   EXPECT_GT(slope_of(turn()), kSlope);
 }
 
@@ -150,7 +150,7 @@ TEST_F(GrowingPlate, CountsTicksInTheBodyByWhatItAnswers) {
   (void)turn();  // the first counts from tick 0: 21
   (void)turn();
   EXPECT_EQ(elements_.ticks(), (QualityTicks{41, 0, 0, 0}));
-  answer_all(GrownQuality::kGood, kSlope);
+  answer_all(GrownQuality::kFinal, kSlope);
   for (int i = 0; i < 95; ++i) {
     (void)turn();
   }
@@ -167,10 +167,10 @@ TEST_F(GrowingPlate, CountsTicksInTheBodyByWhatItAnswers) {
 
 TEST_F(GrowingPlate, SoftensWhatTheDeviceCannotRenderAndCountsIt) {
   GrowingElements soft(body_, normal_, tool_, kSlope / 2.0);
-  soft.hand_over({answer(7, GrownQuality::kGood, kSlope),
-                  answer(8, GrownQuality::kGood, kSlope / 4.0)});
+  soft.hand_over({answer(7, GrownQuality::kFinal, kSlope),
+                  answer(8, GrownQuality::kFinal, kSlope / 4.0)});
   EXPECT_EQ(soft.softened(), 1);
-  ElementNode node = answer(7, GrownQuality::kGood, kSlope).message;
+  ElementNode node = answer(7, GrownQuality::kFinal, kSlope).message;
   EXPECT_NEAR(soften(node, kSlope / 2.0), 0.5, 1e-12);
   EXPECT_NEAR(node.curve().at(0.005).force_n, 0.0025 * kSlope, 1e-12);
   EXPECT_NEAR(node.curve().at(0.005).energy_j, 0.25 * kSlope * 2.5e-5, 1e-12);
@@ -179,10 +179,10 @@ TEST_F(GrowingPlate, SoftensWhatTheDeviceCannotRenderAndCountsIt) {
 }
 
 TEST_F(GrowingPlate, NonsenseGivesNoForce) {
-  const auto into = answer(7, GrownQuality::kGood, kSlope, -Eigen::Vector3d::UnitZ());
+  const auto into = answer(7, GrownQuality::kFinal, kSlope, -Eigen::Vector3d::UnitZ());
   EXPECT_EQ(into.message.samples, 0);
-  EXPECT_EQ(answer(7, GrownQuality::kGood, -1.0).message.samples, 0);
-  GrownNode nowhere = answer(7, GrownQuality::kGood, kSlope);
+  EXPECT_EQ(answer(7, GrownQuality::kFinal, -1.0).message.samples, 0);
+  GrownNode nowhere = answer(7, GrownQuality::kFinal, kSlope);
   nowhere.node = 100'000;
   elements_.hand_over({nowhere});
   EXPECT_EQ(slope_of(turn()), 0.0);

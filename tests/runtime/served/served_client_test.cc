@@ -64,7 +64,7 @@ TEST_F(ServedClientOfPlate, TakesSceneAndAnswersAndTellsWhereTheHandIs) {
   ASSERT_FALSE(hands.empty());
   EXPECT_LE(hands.size(), 12U);  // 20 a second, however slow this machine: 0.6 s
   EXPECT_EQ(hands.back().position_m.z(), 0.01);
-  EXPECT_EQ(elements.quality(0), GrownQuality::kCheap);
+  EXPECT_EQ(elements.quality(0), GrownQuality::kPreliminary);
   client.forget(elements);
 }
 
@@ -102,7 +102,7 @@ TEST_F(ServedClientOfPlate, NonsenseEndsTheConnectionAndNothingOfItIsUsed) {
   int joins = 0;
   FakeService service(socket_, [&](ServiceConnection& to, const GoesOn&) {
     (void)to.send(served_scene(database_), milliseconds(1000));
-    ServedResponses responses = served_responses(database_, AnswerQuality::kGood);
+    ServedResponses responses = served_responses(database_, AnswerQuality::kFinal);
     switch (++joins) {
       case 1: {  // one index that the body does not have, the last of all
         responses.node.back().vertex = 49;
@@ -174,7 +174,7 @@ TEST_F(ServedClientOfPlate, TheEndOfAServiceIsNoLossAndItsFileIsRead) {
   write_database(file, database_);
   FakeService service(socket_, [&](ServiceConnection& to, const GoesOn&) {
     (void)to.send(served_scene(database_), milliseconds(1000));
-    ServedResponses some = served_responses(database_, AnswerQuality::kGood, 0.5);
+    ServedResponses some = served_responses(database_, AnswerQuality::kFinal, 0.5);
     some.node.resize(10);
     (void)to.send(some, milliseconds(1000));
     (void)to.send(ServedEnd{.file = file.string(), .failure = ""}, milliseconds(1000));
@@ -249,7 +249,7 @@ TEST_F(ServedClientOfPlate, KilledAtTwentyMomentsItNeverStopsTheSlowProcess) {
         socket_, [this, moment](ServiceConnection& to, const GoesOn& goes_on) {
           auto frame = to_frame(served_scene(database_));
           const auto answers =
-              to_frame(served_responses(database_, AnswerQuality::kCheap));
+              to_frame(served_responses(database_, AnswerQuality::kPreliminary));
           frame.insert(frame.end(), answers.begin(), answers.end());
           // Cut anywhere: in the scene, between the messages, in the answers.
           if (moment < 20) {

@@ -70,7 +70,7 @@ TEST_F(WhichService, AnotherSceneIsTakenOnlyWhenItWasAskedFor) {
   FakeService service(socket_, [&](ServiceConnection& to, const GoesOn& goes_on) {
     const int mine = digest;
     (void)to.send(served_scene(database_, std::to_string(mine)), milliseconds(1000));
-    (void)to.send(served_responses(database_, AnswerQuality::kGood, mine),
+    (void)to.send(served_responses(database_, AnswerQuality::kFinal, mine),
                   milliseconds(1000));
     while (goes_on() && digest == mine) {
       std::this_thread::sleep_for(milliseconds(5));

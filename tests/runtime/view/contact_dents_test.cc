@@ -30,7 +30,7 @@ TEST(ContactDents, OfAllPadsAreShown) {
   options.tools = {"pads"};
   ViewSession session(database, options);
   EXPECT_TRUE(session.frame().dents.empty());
-  session.heed({.hold = true, .target_m = {0.0, 0.0, 0.002}, .hand = 0});
+  session.follow({.hold = true, .target_m = {0.0, 0.0, 0.002}, .hand = 0});
   session.advance(4000);
   EXPECT_GT(session.report().carried_max_n, 0.0);
   session.let_go();

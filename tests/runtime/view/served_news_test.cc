@@ -56,10 +56,10 @@ class ServedPage : public testing::Test {
     while (goes_on() && !answers_) {
       std::this_thread::sleep_for(milliseconds(2));
     }
-    (void)to.send(served_responses(database_, AnswerQuality::kCheap),
+    (void)to.send(served_responses(database_, AnswerQuality::kPreliminary),
                   milliseconds(1000));
     (void)to.send(
-        ServedProgress{.stage = "preliminary answers", .nodes = 121, .cheap = 121},
+        ServedProgress{.stage = "preliminary answers", .nodes = 121, .answered = 121},
         milliseconds(1000));
     while (goes_on()) {
       std::this_thread::sleep_for(milliseconds(5));
@@ -127,12 +127,12 @@ TEST_F(ServedPage, IsToldAnswersOnce) {
   const Json& told = outbox_.sent[1];
   EXPECT_EQ(told["type"], "answers");
   EXPECT_EQ(told["node"].size(), 121U);
-  EXPECT_EQ(told["good"][0], 0);
+  EXPECT_EQ(told["final"][0], 0);
   EXPECT_NEAR(told["stiffness"][1].get<double>(), 300.0, 0.01);
   EXPECT_NEAR(told["low_n_per_m"].get<double>(), 200.0, 0.01);
   EXPECT_NEAR(told["high_n_per_m"].get<double>(), 300.0, 0.01);
   EXPECT_NEAR(told["force_max_n"].get<double>(), 3.0, 1e-9);
-  EXPECT_EQ(outbox_.frame["service"]["cheap"], 121);
+  EXPECT_EQ(outbox_.frame["service"]["answered"], 121);
   live_.received(1, R"({"type":"node","node":1})");
   EXPECT_EQ(outbox_.sent.back()["type"], "curve");
   EXPECT_NEAR(outbox_.sent.back()["stiffness_max_n_per_m"].get<double>(), 300.0, 0.01);
@@ -143,7 +143,7 @@ TEST_F(ServedPage, FeelsWhatCameUnderTheToolAtTheNextPress) {
   frames(20, 0.002);
   let_answer();
   frames(30, 0.002);
-  EXPECT_EQ(outbox_.frame["service"]["here"], "cheap");
+  EXPECT_EQ(outbox_.frame["service"]["here"], "preliminary");
   EXPECT_LT(outbox_.frame["force_n"][2], 0.01);
   EXPECT_GT(outbox_.frame["shift_m"], 0.002);
   frames(10, 0.01);

@@ -74,7 +74,7 @@ class SteeredContactsTest : public testing::Test {
   static void rest(PressedSession& session, const std::vector<HandWish>& wishes,
                    double seconds = 2.0) {
     for (const HandWish& wish : wishes) {
-      session.heed(wish);
+      session.follow(wish);
     }
     session.advance(static_cast<std::int64_t>(seconds * session.fast_hz()));
   }
@@ -174,7 +174,7 @@ TEST_F(SteeredContactsTest, NoSwitchingWhileTheToolMovesAndTurnsCreatesEnergy) {
     HandWish wish = press(0.02 * std::sin(t), 0.002 + 0.002 * std::sin(2.7 * t));
     wish.turn = Eigen::AngleAxisd(0.3 * std::sin(1.9 * t), Eigen::Vector3d::UnitY()) *
                 Eigen::AngleAxisd(t, Eigen::Vector3d::UnitZ());
-    session.heed(wish);
+    session.follow(wish);
     if (i % 7 == 3) {
       session.set({.coupled = ++changes % 2 == 0});
     }
@@ -206,7 +206,7 @@ TEST_F(SteeredContactsTest, ATiltedToolIsTurnedBackAndTurnsNoFasterThanAWrist) {
   EXPECT_NEAR(session.torque_n_m().y(), 0.0, 1e-6);
   HandWish wish = press(0.0, 0.002);
   wish.turn = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
-  session.heed(wish);
+  session.follow(wish);
   Eigen::Quaterniond last = session.frame().hands->hand[0].turn;
   double fastest = 0.0;
   for (int tick = 0; tick < 1000; ++tick) {
@@ -249,7 +249,7 @@ TEST_F(SteeredContactsTest, TwoHandsSinkTheBodyUnderEachOther) {
     EXPECT_NEAR(x, hand == 0 ? -half : half, half) << hand;
   }
   // One lifts: the other has more of the body.
-  session.heed({.hold = false, .hand = 1});
+  session.follow({.hold = false, .hand = 1});
   session.advance(4000);
   EXPECT_EQ(session.force_n(1).norm(), 0.0);
   const double alone = session.latest().depth_m;
@@ -351,7 +351,7 @@ TEST_F(SteeredContactsTest, RefusesInASentence) {
   };
   PressedSession session(database_, options({"pads"}));
   EXPECT_TRUE(contains(refusal([&] {
-                         session.heed(press(0.0, 0.0, 1));
+                         session.follow(press(0.0, 0.0, 1));
                        }),
                        "hand 1 is not there"));
   EXPECT_TRUE(contains(refusal([&] {

@@ -49,7 +49,7 @@ TEST(ViewDents, OfASessionAppearUnderTheToolAndGoBack) {
   ViewSession session(database, {});
   session.advance(100);
   EXPECT_TRUE(session.frame().dents.empty());
-  session.heed({.hold = true, .target_m = {0.0, 0.0, -0.004}});
+  session.follow({.hold = true, .target_m = {0.0, 0.0, -0.004}});
   session.advance(4000);
   const double held_n = session.latest().force_n[2];
   EXPECT_GT(held_n, 0.02);
@@ -81,7 +81,7 @@ TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
   yields.yielding = {.yield_depth_m = {0.001}, .share = {0.4}};
   give_memory(database.body, database.normal, yields, 1, database.tools[0]);
   ViewSession session(database, {});
-  session.heed({.hold = true, .target_m = {0.0, 0.0, -0.006}});
+  session.follow({.hold = true, .target_m = {0.0, 0.0, -0.006}});
   session.advance(4000);
   session.let_go();
   session.advance(400);

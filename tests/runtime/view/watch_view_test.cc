@@ -136,7 +136,7 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
   seen.count = 2;
   seen.hand[0].tool.position_m = {0.0, 0.0, 0.004};
   seen.hand[0].device.position_m = {0.0, 0.0, 0.003};
-  seen.hung = true;
+  seen.held = true;
   seen.hand[0].wrench = {{0.0, 0.0, 0.3}, {0.0, 0.002, 0.0}};
   seen.contact[1] = {.radius_m = kPadRadius,
                      .at = {.centre_m = {0.006, 0.0, 0.004},

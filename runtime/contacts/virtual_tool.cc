@@ -1,4 +1,4 @@
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr Real kNoTurn = rounding(1e-30, 1e-13);
 
 // The body's energy as a function of one port's pose.
 struct OnePort {
-  HungTool& hung;
+  VirtualTool& held;
   CoupledState& state;
   PortPoses pose;
   std::size_t port;
@@ -29,16 +29,16 @@ struct OnePort {
 Real energy_j(void* of, const PortPose& pose, Wrench* wrench) {
   auto& self = *static_cast<OnePort*>(of);
   self.pose[self.port] = pose;
-  const Real energy = potential_j(self.state, self.hung.moved, self.pose);
+  const Real energy = potential_j(self.state, self.held.moved, self.pose);
   if (wrench != nullptr) {
-    *wrench = wrenches(self.hung.moved, self.state.set, self.pose)[self.port];
+    *wrench = wrenches(self.held.moved, self.state.set, self.pose)[self.port];
   }
   return energy;
 }
 
 // Whether the longest tick of a mass on a spring and a damper can be solved.
 bool is_heavy_enough(Real mass, Real spring, Real damper) {
-  const Real h = kHungTickMaxS;
+  const Real h = kVirtualTickMaxS;
   return h * (Real(0.25) * h * spring + Real(0.5) * damper) <= kContraction * mass;
 }
 
@@ -55,10 +55,10 @@ bool is_sound(const CoupledState& state, const PoseSample& sample, Real dt_s) {
   return sound;
 }
 
-PortPoses tools_of(const HungTool& hung) {
+PortPoses tools_of(const VirtualTool& held) {
   PortPoses pose;
   for (std::size_t port = 0; port < pose.size(); ++port) {
-    pose[port] = hung.tool[port].pose();
+    pose[port] = held.tool[port].pose();
   }
   return pose;
 }
@@ -69,7 +69,7 @@ DevicePose device_at(const PortPose& pose, const DevicePose& before, Real dt_s) 
   now.position_m = pose.position_m;
   now.turn = Eigen::Quaternion<Real>(pose.rotation).normalized();
   if (dt_s > 0.0) {
-    const Real over_s = std::max(dt_s, kHungTickMinS);
+    const Real over_s = std::max(dt_s, kVirtualTickMinS);
     now.velocity_m_per_s = (now.position_m - before.position_m) / over_s;
     const Eigen::AngleAxis<Real> turned(now.turn * before.turn.conjugate());
     now.spin_rad_per_s = (turned.angle() / over_s) * turned.axis();
@@ -91,14 +91,14 @@ bool turn_along(VirtualBody& tool, DevicePose& before, DevicePose& now) {
 }
 
 // What the solver left of a tick's identity goes to no hand.
-void settle_residual(HungTool& hung, VirtualBody& tool, double residual_j) {
-  HungAccount& a = hung.account;
+void settle_residual(VirtualTool& held, VirtualBody& tool, double residual_j) {
+  VirtualToolAccount& a = held.account;
   a.residual_j = std::max(a.residual_j, std::abs(residual_j));
   if (!(residual_j > 0.0)) {
     a.dissipated_j -= residual_j;
     return;
   }
-  const auto kinetic = static_cast<double>(kinetic_j(hung.coupling, tool));
+  const auto kinetic = static_cast<double>(kinetic_j(held.coupling, tool));
   const double taken = std::min(residual_j, kinetic);
   const Real left =
       kinetic > 0.0 ? std::sqrt(static_cast<Real>(1.0 - taken / kinetic)) : Real(1.0);
@@ -108,89 +108,89 @@ void settle_residual(HungTool& hung, VirtualBody& tool, double residual_j) {
 }
 
 // One port's device and tool in a tick.
-void move_port(HungTool& hung, CoupledState& state, std::size_t port,
+void move_port(VirtualTool& held, CoupledState& state, std::size_t port,
                const DevicePose& before, const DevicePose& now, Real dt_s) {
-  VirtualBody& tool = hung.tool[port];
-  OnePort one{hung, state, tools_of(hung), port};
-  const Real h = std::min(dt_s, kHungTickMaxS);
+  VirtualBody& tool = held.tool[port];
+  OnePort one{held, state, tools_of(held), port};
+  const Real h = std::min(dt_s, kVirtualTickMaxS);
   if (h > 0.0) {
     const VirtualTick tick =
-        advance(hung.coupling, tool, before, now, {&one, &energy_j}, h);
-    hung.total.work_j += tick.work_j;
-    hung.account.dissipated_j += tick.dissipated_j;
-    hung.account.iterations_max =
-        std::max(hung.account.iterations_max, tick.iterations);
-    settle_residual(hung, tool, tick.residual_j);
-    hung.felt[port] = tick.on_device;
+        advance(held.coupling, tool, before, now, {&one, &energy_j}, h);
+    held.total.work_j += tick.work_j;
+    held.account.dissipated_j += tick.dissipated_j;
+    held.account.iterations_max =
+        std::max(held.account.iterations_max, tick.iterations);
+    settle_residual(held, tool, tick.residual_j);
+    held.felt[port] = tick.on_device;
   } else {
-    hung.total.work_j += static_cast<double>(spring_j(hung.coupling, tool, now)) -
-                         static_cast<double>(spring_j(hung.coupling, tool, before));
+    held.total.work_j += static_cast<double>(spring_j(held.coupling, tool, now)) -
+                         static_cast<double>(spring_j(held.coupling, tool, before));
   }
 }
 
-void begin_at(HungTool& hung, const CoupledState& state, const PoseSample& sample) {
+void begin_at(VirtualTool& held, const CoupledState& state, const PoseSample& sample) {
   for (std::size_t port = 0; port < ports(state); ++port) {
-    hung.device[port] = device_at(sample.pose[port], {}, 0.0);
-    hung.tool[port] = {};
-    hung.tool[port].position_m = hung.device[port].position_m;
-    hung.tool[port].turn = hung.device[port].turn;
+    held.device[port] = device_at(sample.pose[port], {}, 0.0);
+    held.tool[port] = {};
+    held.tool[port].position_m = held.device[port].position_m;
+    held.tool[port].turn = held.device[port].turn;
   }
-  hung.begun = true;
+  held.begun = true;
 }
 
-void move_ports(HungTool& hung, CoupledState& state, const PoseSample& sample,
+void move_ports(VirtualTool& held, CoupledState& state, const PoseSample& sample,
                 Real dt_s) {
   std::array<DevicePose, kPortsMax> now;
   bool turned = false;
   for (std::size_t port = 0; port < ports(state); ++port) {
-    now[port] = device_at(sample.pose[port], hung.device[port], dt_s);
-    turned = (!hung.torque_felt &&
-              turn_along(hung.tool[port], hung.device[port], now[port])) ||
+    now[port] = device_at(sample.pose[port], held.device[port], dt_s);
+    turned = (!held.torque_felt &&
+              turn_along(held.tool[port], held.device[port], now[port])) ||
              turned;
   }
   if (turned) {
-    carry(state, tools_of(hung));
+    carry(state, tools_of(held));
   }
   for (std::size_t port = 0; port < ports(state); ++port) {
-    move_port(hung, state, port, hung.device[port], now[port], dt_s);
-    hung.device[port] = now[port];
+    move_port(held, state, port, held.device[port], now[port], dt_s);
+    held.device[port] = now[port];
   }
 }
 
 // The account after a tick of the body.
-void sum_up(HungTool& hung, const CoupledState& state) {
-  HungAccount& a = hung.account;
+void sum_up(VirtualTool& held, const CoupledState& state) {
+  VirtualToolAccount& a = held.account;
   a.kinetic_j = 0.0;
   a.spring_j = 0.0;
   for (std::size_t port = 0; port < ports(state); ++port) {
-    a.kinetic_j += static_cast<double>(kinetic_j(hung.coupling, hung.tool[port]));
+    a.kinetic_j += static_cast<double>(kinetic_j(held.coupling, held.tool[port]));
     a.spring_j += static_cast<double>(
-        spring_j(hung.coupling, hung.tool[port], hung.device[port]));
+        spring_j(held.coupling, held.tool[port], held.device[port]));
   }
   const PassivityLedger& body = state.ledger;
-  hung.total.stored_j = a.kinetic_j + a.spring_j + body.stored_j;
-  hung.total.tank_j = body.tank_j;
-  hung.total.dent_j = body.dent_j;
-  hung.total.left_j = body.left_j;
-  hung.total.dissipated_j = a.dissipated_j + body.dissipated_j;
-  hung.total.created_j = body.created_j;
-  hung.total.interventions = body.interventions;
+  held.total.stored_j = a.kinetic_j + a.spring_j + body.stored_j;
+  held.total.tank_j = body.tank_j;
+  held.total.dent_j = body.dent_j;
+  held.total.left_j = body.left_j;
+  held.total.dissipated_j = a.dissipated_j + body.dissipated_j;
+  held.total.created_j = body.created_j;
+  held.total.interventions = body.interventions;
 }
 
-PortPoses devices_of(const HungTool& hung) {
+PortPoses devices_of(const VirtualTool& held) {
   PortPoses pose;
   for (std::size_t port = 0; port < pose.size(); ++port) {
-    pose[port] = {hung.device[port].position_m,
-                  hung.device[port].turn.toRotationMatrix()};
+    pose[port] = {held.device[port].position_m,
+                  held.device[port].turn.toRotationMatrix()};
   }
   return pose;
 }
 
 // Of the devices, as far as they feel it.
-WrenchSafety::Vector felt_movement(const HungTool& hung, const CoupledState& state,
+WrenchSafety::Vector felt_movement(const VirtualTool& held, const CoupledState& state,
                                    const PortPoses& from, const PortPoses& to) {
   WrenchSafety::Vector moved = movement(state.set, from, to);
-  for (int port = 0; port < state.set.ports && !hung.torque_felt; ++port) {
+  for (int port = 0; port < state.set.ports && !held.torque_felt; ++port) {
     moved.segment<3>(6 * port + 3).setZero();
   }
   return moved;
@@ -198,8 +198,8 @@ WrenchSafety::Vector felt_movement(const HungTool& hung, const CoupledState& sta
 
 }  // namespace
 
-const char* hang(HungTool& hung, CoupledState& state,
-                 const VirtualCoupling& coupling) noexcept {
+const char* couple(VirtualTool& held, CoupledState& state,
+                   const VirtualCoupling& coupling) noexcept {
   if (is_alone(state.set)) {
     return "a virtual coupling is for tools of several contacts, or two hands";
   }
@@ -213,8 +213,8 @@ const char* hang(HungTool& hung, CoupledState& state,
     return "the tool is too light for its springs and dampers: mass and inertia must "
            "be at least h^2 k / 2 + h b with ticks h of 2 ms";
   }
-  hung.coupling = coupling;
-  hung.limits = {state.config.force_max_n, state.config.slew_max_n_per_s,
+  held.coupling = coupling;
+  held.limits = {state.config.force_max_n, state.config.slew_max_n_per_s,
                  state.config.energy_floor_j, state.config.ramp_s};
   state.config.force_max_n = std::numeric_limits<Real>::infinity();
   state.config.slew_max_n_per_s = std::numeric_limits<Real>::infinity();
@@ -222,50 +222,50 @@ const char* hang(HungTool& hung, CoupledState& state,
   return nullptr;
 }
 
-WrenchCommand step(HungTool& hung, CoupledState& state, const PoseSample& sample,
+WrenchCommand step(VirtualTool& held, CoupledState& state, const PoseSample& sample,
                    Real dt_s) noexcept {
   if (!is_sound(state, sample, dt_s)) {
     return step(state, sample, dt_s);  // raises the fault, and gives no force
   }
-  const bool first = !hung.begun;
+  const bool first = !held.begun;
   if (first) {
-    begin_at(hung, state, sample);
+    begin_at(held, state, sample);
   }
-  const PortPoses from = devices_of(hung);
+  const PortPoses from = devices_of(held);
   relax_ahead(state, dt_s);
   if (!first) {
-    move_ports(hung, state, sample, dt_s);
+    move_ports(held, state, sample, dt_s);
   }
   const double work_j = state.ledger.work_j;
-  WrenchCommand command = step(state, {tools_of(hung), sample.time_ns}, dt_s);
+  WrenchCommand command = step(state, {tools_of(held), sample.time_ns}, dt_s);
   state.safety.delivered_n = state.safety.model_n;  // the tool got it whole
-  hung.total.work_j += first ? state.ledger.work_j - work_j : 0.0;
-  sum_up(hung, state);
+  held.total.work_j += first ? state.ledger.work_j - work_j : 0.0;
+  sum_up(held, state);
   if (state.safety.fault == Fault::kNone) {
     const WrenchSafety::Vector moved =
-        felt_movement(hung, state, from, devices_of(hung));
+        felt_movement(held, state, from, devices_of(held));
     command.wrench =
-        unflattened(state.set, make_safe(hung.safety, hung.limits, hung.total,
-                                         flattened(state.set, hung.felt), moved, dt_s));
-    raise_fault(state, hung.safety.fault);
+        unflattened(state.set, make_safe(held.safety, held.limits, held.total,
+                                         flattened(state.set, held.felt), moved, dt_s));
+    raise_fault(state, held.safety.fault);
   }
   if (state.safety.fault != Fault::kNone) {
     command = {};
-    hung.safety.force_n.setZero();
+    held.safety.force_n.setZero();
   }
   state.in_contact = command.in_contact;
-  command.stored_j = hung.total.stored_j;
-  command.tank_j = hung.total.tank_j;
-  command.dissipated_j = hung.total.dissipated_j;
+  command.stored_j = held.total.stored_j;
+  command.tank_j = held.total.tank_j;
+  command.dissipated_j = held.total.dissipated_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
 }
 
-void delivered(HungTool& hung, const CoupledState& state,
+void delivered(VirtualTool& held, const CoupledState& state,
                const PortWrenches& wrench) noexcept {
   const WrenchSafety::Vector v = flattened(state.set, wrench);
-  if (v.allFinite() && hung.safety.fault == Fault::kNone) {
-    hung.safety.delivered_n = v;
+  if (v.allFinite() && held.safety.fault == Fault::kNone) {
+    held.safety.delivered_n = v;
   }
 }
 

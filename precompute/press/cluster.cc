@@ -1,4 +1,4 @@
-#include "precompute/press/territory.h"
+#include "precompute/press/cluster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +28,8 @@ bool keeps_budget(std::span<const double> expected, std::size_t known, double bu
     return kExpectedErrorFactor * *std::max_element(expected.begin(), expected.end()) <=
            budget;
   }
+  // Expected number of nodes beyond the budget, for normal errors of standard deviation
+  // error / kExpectedDeviations: P(|e| > budget) = erfc(budget / (sqrt(2) sd)).
   double beyond = 0.0;
   for (const double error : expected) {
     beyond +=
@@ -36,9 +38,8 @@ bool keeps_budget(std::span<const double> expected, std::size_t known, double bu
   return beyond <= (1.0 - kErrorCoverage) * static_cast<double>(expected.size());
 }
 
-Territory::Territory(const Scene& scene, const BodySource& body,
-                     const SceneSolver& solver, const SharedTool& tool,
-                     std::span<const std::int32_t> vertices)
+Cluster::Cluster(const Scene& scene, const BodySource& body, const SceneSolver& solver,
+                 const SharedTool& tool, std::span<const std::int32_t> vertices)
     : scene_(scene),
       body_(body),
       solver_(solver),
@@ -48,11 +49,11 @@ Territory::Territory(const Scene& scene, const BodySource& body,
       full_(vertices.size()),
       field_(no_ratios()) {}
 
-RatioField Territory::no_ratios() const {
+RatioField Cluster::no_ratios() const {
   return {body_.surface, body_.normal, contact_focus(scene_, body_).contact_m};
 }
 
-void Territory::keep_linear_within_budget(bool graded) {
+void Cluster::keep_linear_within_budget(bool graded) {
   std::copy(linear_.begin(), linear_.end(), full_.begin());
   Places outside;
   for (std::size_t i = 0; graded && i < full_.size(); ++i) {
@@ -65,6 +66,8 @@ void Territory::keep_linear_within_budget(bool graded) {
     Attempt& last = kept.tried[last_taken(kept.tried)];
     Attempt& finest = node.tried[last_taken(node.tried)];
     const NodeResponse coarse = response_of(kept);
+    // mesh_error() extrapolates from two meshes of a node's own, one twice as fine
+    // (kFinerStep).
     const bool twice_as_fine =
         solver_.shared() == nullptr && !last.outcome.late &&
         finest.recipe.times_finer == kFinerStep * last.recipe.times_finer;
@@ -78,20 +81,20 @@ void Territory::keep_linear_within_budget(bool graded) {
   }
 }
 
-bool Territory::is_outside_budget(const PressedNode& node) const {
+bool Cluster::is_outside_budget(const PressedNode& node) const {
   return kExpectedErrorFactor * estimate(node) > scene_.force_relative ||
          touches_late(node);
 }
 
-NodeResponse Territory::response_of(const PressedNode& node) const {
+NodeResponse Cluster::response_of(const PressedNode& node) const {
   return to_response(node.indentation, node.path, scene_.force_relative);
 }
 
-double Territory::estimate(const PressedNode& node) const {
+double Cluster::estimate(const PressedNode& node) const {
   return response_of(node).error_relative;
 }
 
-std::vector<std::int32_t> Territory::vertices_at(const Places& which) const {
+std::vector<std::int32_t> Cluster::vertices_at(const Places& which) const {
   std::vector<std::int32_t> vertices;
   vertices.reserve(which.size());
   for (const std::size_t i : which) {
@@ -101,13 +104,13 @@ std::vector<std::int32_t> Territory::vertices_at(const Places& which) const {
   return vertices;
 }
 
-void Territory::solve_within_budget() {
+void Cluster::solve_within_budget() {
   solve(only_by_solving());
   solve(farthest(kFirstSamples, {}));
   solve_kinds_until_within_budget();
 }
 
-void Territory::solve_few_first() {
+void Cluster::solve_few_first() {
   solve(far_apart(kFirstSamples));
   if (!few_predict_each_other()) {
     solve(unsolved());
@@ -124,7 +127,7 @@ void Territory::solve_few_first() {
 }
 
 // Whether the ratio of each solved vertex follows from the others', within the budget.
-bool Territory::few_predict_each_other() const {
+bool Cluster::few_predict_each_other() const {
   RatioField trial = no_ratios();
   for (const auto& node : full_) {
     if (!node) {
@@ -143,7 +146,7 @@ bool Territory::few_predict_each_other() const {
 
 // Ratios that are alike say nothing about a kind of place that nobody has solved, like
 // an edge between faces.
-void Territory::solve_kinds_until_within_budget() {
+void Cluster::solve_kinds_until_within_budget() {
   solve(other_kinds());
   while (true) {
     const RatioModel ratios(field_);
@@ -165,7 +168,7 @@ void Territory::solve_kinds_until_within_budget() {
   }
 }
 
-void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) const {
+void Cluster::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) const {
   const RatioModel ratios(field_);
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
     WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
@@ -173,6 +176,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     bool ends_early = press.indentation.ends_early;
+    // Solved, predicted by kriging, or without an answer though the tool touches.
     if (full_[i]) {
       node.history = history_text(press.tried);
       node.response = response_of(press);
@@ -195,16 +199,16 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
   }
 }
 
-bool Territory::touches(std::size_t i) const {
+bool Cluster::touches(std::size_t i) const {
   return linear_[i].indentation.sample.size() > 1;
 }
 
 // Whether ratios of others may scale the linear press.
-bool Territory::is_like_others(std::size_t i) const {
-  return is_guide(linear_[i].indentation) && !touches_late(linear_[i]);
+bool Cluster::is_like_others(std::size_t i) const {
+  return is_predictor(linear_[i].indentation) && !touches_late(linear_[i]);
 }
 
-Territory::Places Territory::unsolved() const {
+Cluster::Places Cluster::unsolved() const {
   Places which;
   for (std::size_t i = 0; i < full_.size(); ++i) {
     if (!full_[i]) {
@@ -215,7 +219,7 @@ Territory::Places Territory::unsolved() const {
 }
 
 // Vertices about whose response neither the linear press nor neighbours say anything.
-Territory::Places Territory::only_by_solving() const {
+Cluster::Places Cluster::only_by_solving() const {
   Places which;
   for (const std::size_t i : unsolved()) {
     if (!linear_[i].patch.empty() && !is_like_others(i)) {
@@ -226,7 +230,7 @@ Territory::Places Territory::only_by_solving() const {
 }
 
 // The first vertex, and each time the farthest from those before.
-Territory::Places Territory::far_apart(std::size_t count) const {
+Cluster::Places Cluster::far_apart(std::size_t count) const {
   Places chosen{0};
   const auto apart_m = [&](std::size_t i) {
     double least = std::numeric_limits<double>::infinity();
@@ -248,8 +252,8 @@ Territory::Places Territory::far_apart(std::size_t count) const {
 }
 
 // Where errors are given, distances count in proportion to them.
-Territory::Places Territory::farthest(std::size_t count,
-                                      std::span<const double> error) const {
+Cluster::Places Cluster::farthest(std::size_t count,
+                                  std::span<const double> error) const {
   return spread(
       count,
       [&](std::size_t i, std::size_t j) {
@@ -260,7 +264,7 @@ Territory::Places Territory::farthest(std::size_t count,
       });
 }
 
-Territory::Places Territory::other_kinds() const {
+Cluster::Places Cluster::other_kinds() const {
   return spread(
       kOtherKinds,
       [&](std::size_t i, std::size_t j) {
@@ -273,9 +277,10 @@ Territory::Places Territory::other_kinds() const {
 
 // Vertices that touch and are not solved yet, each the one that is worth most for its
 // distance from those solved or chosen, as long as one is worth anything.
-Territory::Places Territory::spread(
+Cluster::Places Cluster::spread(
     std::size_t count, const std::function<double(std::size_t, std::size_t)>& apart,
     const std::function<double(std::size_t, double)>& worth) const {
+  // Farthest-point sampling: `distance` is that to the nearest vertex solved or chosen.
   std::vector<double> distance(vertex_.size(), std::numeric_limits<double>::infinity());
   const auto take = [&](std::size_t chosen) {
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
@@ -309,13 +314,13 @@ Territory::Places Territory::spread(
 }
 
 // Infinite where only a solve can tell.
-double Territory::expected_error(std::size_t i, const RatioModel& ratios) const {
+double Cluster::expected_error(std::size_t i, const RatioModel& ratios) const {
   return field_.size() < 2 ? std::numeric_limits<double>::infinity()
                            : ratios.error_at(vertex_[i], linear_[i].indentation);
 }
 
-NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios,
-                                     bool& ends_early) const {
+NodeResponse Cluster::interpolated(std::size_t i, const RatioModel& ratios,
+                                   bool& ends_early) const {
   const Indentation& linear = linear_[i].indentation;
   const Indentation path =
       scaled(linear, ratios.at(vertex_[i], linear), scene_.reach.force_max_n);
@@ -329,7 +334,7 @@ NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios,
   return response;
 }
 
-void Territory::solve(const Places& which) {
+void Cluster::solve(const Places& which) {
   for (PressedNode& node : solver_.full(tool_, vertices_at(which))) {
     const std::size_t i = index_of(node.vertex);
     if (node.failure.empty() && is_like_others(i)) {
@@ -339,13 +344,13 @@ void Territory::solve(const Places& which) {
   }
 }
 
-std::size_t Territory::index_of(std::int32_t vertex) const {
+std::size_t Cluster::index_of(std::int32_t vertex) const {
   return static_cast<std::size_t>(
       std::lower_bound(vertex_.begin(), vertex_.end(), vertex) - vertex_.begin());
 }
 
 // What a full press says about its neighbours: the law's share alone, both on one mesh.
-void Territory::take_ratio(std::size_t i, const PressedNode& node) {
+void Cluster::take_ratio(std::size_t i, const PressedNode& node) {
   const Indentation& linear = linear_[i].indentation;
   auto ratio = path_ratio(node.indentation, node.linear);
   if (ratio) {

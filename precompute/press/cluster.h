@@ -43,11 +43,11 @@ inline constexpr std::size_t kKnownPerSample = 10;
 ///   solve_linear()  solve_all()                 no interpolation, a shared mesh
 ///   solve_linear()  solve_within_budget()       interpolation
 ///   solve_few_first()                          a small cluster, meshes of their own
-class Territory {
+class Cluster {
  public:
   /// @param vertices ascending, at least one; all arguments must outlive it.
-  Territory(const Scene& scene, const BodySource& body, const SceneSolver& solver,
-            const SharedTool& tool, std::span<const std::int32_t> vertices);
+  Cluster(const Scene& scene, const BodySource& body, const SceneSolver& solver,
+          const SharedTool& tool, std::span<const std::int32_t> vertices);
 
   void solve_linear() { linear_ = solver_.linear(tool_, vertex_); }
 

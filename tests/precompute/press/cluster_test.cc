@@ -1,5 +1,5 @@
-// Which vertices of a territory are solved before others are interpolated.
-#include "precompute/press/territory.h"
+// Which vertices of a cluster are solved before others are interpolated.
+#include "precompute/press/cluster.h"
 
 #include <algorithm>
 #include <fstream>
@@ -63,16 +63,16 @@ Answers answers_of(const std::string& scene_text) {
   const PressStrategy strategy = choose_strategy(scene, body, vertices);
   Progress progress(nullptr);
   const SceneSolver solver(scene, body, strategy, vertices, vertices, progress);
-  Territory territory(scene, body, solver, body.tool.front(), vertices);
-  territory.solve_linear();
-  territory.solve_within_budget();
-  territory.answer(0, answers.nodes);
+  Cluster cluster(scene, body, solver, body.tool.front(), vertices);
+  cluster.solve_linear();
+  cluster.solve_within_budget();
+  cluster.answer(0, answers.nodes);
   return answers;
 }
 
 // Solved or interpolated, a curve ends at the largest force, at the largest depth, or
 // it says that it does not.
-TEST(Territory, CurvesEndAtALimitOrSayThatTheyDoNot) {
+TEST(Cluster, CurvesEndAtALimitOrSayThatTheyDoNot) {
   constexpr double kForceMax = 0.03;
   std::string text = kScene;
   text.replace(text.find("depths = 3"), 10, "depths = 12");
@@ -99,7 +99,7 @@ TEST(Territory, CurvesEndAtALimitOrSayThatTheyDoNot) {
 }
 
 // What a solve tried is kept; what was interpolated was not solved.
-TEST(Territory, KeepsTheHistoryOfWhatItSolves) {
+TEST(Cluster, KeepsTheHistoryOfWhatItSolves) {
   int again = 0;
   for (const WorkUnitNode& node : answers_of(kScene).nodes) {
     again += node.history.empty() ? 0 : 1;
@@ -112,7 +112,7 @@ TEST(Territory, KeepsTheHistoryOfWhatItSolves) {
 
 // A budget of so many deviations of every vertex' error that one in twenty is beyond it
 // (1.96 for two sides) is kept, a little less is not.
-TEST(Territory, KeepsABudgetAtNinetyFivePercent) {
+TEST(Cluster, KeepsABudgetAtNinetyFivePercent) {
   const std::vector<double> expected(40, 0.03);
   const double quantile = 1.9599639845 * 0.03 / kExpectedDeviations;
   EXPECT_TRUE(keeps_budget(expected, 19, 1.0001 * quantile));
@@ -125,7 +125,7 @@ TEST(Territory, KeepsABudgetAtNinetyFivePercent) {
   EXPECT_FALSE(keeps_budget(half, 19, 0.9999 * tenth));
 }
 
-TEST(Territory, KeepsABudgetEverywhereWhereFewRatiosAreKnown) {
+TEST(Cluster, KeepsABudgetEverywhereWhereFewRatiosAreKnown) {
   std::vector<double> expected(40, 0.001);
   expected[7] = 0.03;
   EXPECT_TRUE(keeps_budget(expected, 19, 0.04));
@@ -133,7 +133,7 @@ TEST(Territory, KeepsABudgetEverywhereWhereFewRatiosAreKnown) {
   EXPECT_TRUE(keeps_budget(expected, 18, 0.0451));
 }
 
-TEST(Territory, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
+TEST(Cluster, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
   const auto [body, nodes] = answers_of(kScene);
   std::vector<std::int32_t> solved;
   for (const WorkUnitNode& node : nodes) {

@@ -7,6 +7,6 @@
 namespace palpate {
 
 /// Zero for a body of a database; struct_size is not set.
-[[nodiscard]] palpate_service told_service(const HostBody& body);
+[[nodiscard]] palpate_service service_status(const HostBody& body);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "runtime/contacts/hung_tool.h"
+#include "runtime/contacts/virtual_tool.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,17 +13,19 @@ namespace palpate {
 namespace {
 
 // A plate or a pinch that hangs over a rough body.
-class HungTools : public testing::Test {
+class VirtualTools : public testing::Test {
  protected:
   void hold(const CoupledSet& set, const VirtualCoupling& coupling = {},
             const FastConfig& config = free_of_clamps()) {
     storage_ = std::make_unique<CoupledStorage>(set, config);
-    hung_ = std::make_unique<HungTool>();
-    ASSERT_EQ(hang(*hung_, state(), coupling), nullptr);
+    virtual_tool_ = std::make_unique<VirtualTool>();
+    ASSERT_EQ(couple(*virtual_tool_, state(), coupling), nullptr);
   }
   CoupledState& state() { return storage_->state(); }
 
-  PortPoses tools() const { return {hung_->tool[0].pose(), hung_->tool[1].pose()}; }
+  PortPoses tools() const {
+    return {virtual_tool_->tool[0].pose(), virtual_tool_->tool[1].pose()};
+  }
 
   // Over the body's middle, so much above where a lone contact would touch it.
   Vector3 over(double z_m) const {
@@ -38,25 +40,25 @@ class HungTools : public testing::Test {
     if (ticks_++ % 20 == 0) {
       send_all(state(), body_, ticks_ == 1 ? pose : tools());
     }
-    return step(*hung_, state(), {pose, 0}, dt_s);
+    return step(*virtual_tool_, state(), {pose, 0}, dt_s);
   }
 
   // The whole account, to what rounding leaves of a sum of ticks.
   void expect_account(double to_j) {
-    const PassivityLedger& t = hung_->total;
+    const PassivityLedger& t = virtual_tool_->total;
     EXPECT_NEAR(t.work_j, t.stored_j + t.tank_j + t.dent_j + t.left_j + t.dissipated_j,
                 to_j);
   }
 
   ContactBody body_ = make_contact_body(rough(), kRadiusM);
   std::unique_ptr<CoupledStorage> storage_;
-  std::unique_ptr<HungTool> hung_;
+  std::unique_ptr<VirtualTool> virtual_tool_;
   int ticks_ = 0;
 };
 
 // Two seconds of random poses, also with ticks up to 50 ms late and a body that
 // relaxes: no energy is made, by a plate of four and by two hands.
-TEST_F(HungTools, MakeNoEnergy) {
+TEST_F(VirtualTools, MakeNoEnergy) {
   for (const int ports : {1, 2}) {
     for (const bool late : {false, true}) {
       BenchBodyOptions options = rough();
@@ -77,25 +79,25 @@ TEST_F(HungTools, MakeNoEnergy) {
       for (int i = 0; i < 4000; ++i) {
         const WrenchCommand c = tick(walk.next(), late && i % 37 == 0 ? 0.05 : kTickS);
         ASSERT_EQ(c.fault, 0);
-        lowest = std::min(lowest, hung_->total.work_j);
+        lowest = std::min(lowest, virtual_tool_->total.work_j);
         EXPECT_GE(c.dissipated_j, dissipated - 1e-15);
         dissipated = c.dissipated_j;
         contacts += c.contacts > 1 ? 1 : 0;
-        most = std::max(most, hung_->account.iterations_max);
+        most = std::max(most, virtual_tool_->account.iterations_max);
       }
       EXPECT_GE(lowest, -1e-12);
-      EXPECT_LT(hung_->account.residual_j, 1e-12);
-      EXPECT_LT(hung_->account.taken_j, 1e-11);
+      EXPECT_LT(virtual_tool_->account.residual_j, 1e-12);
+      EXPECT_LT(virtual_tool_->account.taken_j, 1e-11);
       expect_account(1e-12);
       EXPECT_GT(contacts, 400);
-      EXPECT_GT(hung_->total.work_j, 1e-4);
+      EXPECT_GT(virtual_tool_->total.work_j, 1e-4);
       EXPECT_LT(most, kVirtualIterationsMax);
     }
   }
 }
 
 // A body so stiff that the solver does not end: nobody gets what it leaves.
-TEST_F(HungTools, WhatIsNotSolvedEndsInZeroForce) {
+TEST_F(VirtualTools, WhatIsNotSolvedEndsInZeroForce) {
   BenchBodyOptions stiff = rough();
   stiff.force_n = 2e5;
   body_ = make_contact_body(stiff, kRadiusM);
@@ -113,12 +115,12 @@ TEST_F(HungTools, WhatIsNotSolvedEndsInZeroForce) {
       expect_account(1e-8);
     }
   }
-  EXPECT_GT(hung_->account.residual_j, 1e-9);
+  EXPECT_GT(virtual_tool_->account.residual_j, 1e-9);
   EXPECT_GT(stopped, 0);
 }
 
 // Two readings of one place, in free air, half a microsecond apart: noise of 50 um.
-TEST_F(HungTools, ReadingsAMicrosecondApartAreNoVelocity) {
+TEST_F(VirtualTools, ReadingsAMicrosecondApartAreNoVelocity) {
   FastConfig config;
   config.model = LocalModel::kPotential;
   hold(make_plate(body_, 4, 0.006, kRadiusM), {}, config);
@@ -132,13 +134,13 @@ TEST_F(HungTools, ReadingsAMicrosecondApartAreNoVelocity) {
     ASSERT_EQ(c.fault, 0) << i;
     largest_n = std::max(largest_n, c.wrench[0].force_n.norm());
   }
-  EXPECT_LT(std::abs(hung_->total.work_j), 0.01);  // of going back, 0.1 m/s
+  EXPECT_LT(std::abs(virtual_tool_->total.work_j), 0.01);  // of going back, 0.1 m/s
   EXPECT_GT(largest_n, 0.0);
   expect_account(1e-12);
 }
 
 // A coupling without springs and dampers, clear of the body: thrown, it stays thrown.
-TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
+TEST_F(VirtualTools, AFreeToolKeepsItsMomentum) {
   VirtualCoupling free;
   free.spring_n_per_m = free.spring_n_m_per_rad = 0.0;
   free.damper_n_s_per_m = free.damper_n_m_s = 0.0;
@@ -146,11 +148,11 @@ TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
   PortPoses away;
   away[0].position_m = {0.05, 0.05, 0.05};
   (void)tick(away);
-  VirtualBody& tool = hung_->tool[0];
+  VirtualBody& tool = virtual_tool_->tool[0];
   tool.velocity_m_per_s = {0.02, -0.01, 0.03};
   tool.momentum_n_m_s = {1e-5, 2e-5, -1e-5};
   const VirtualBody thrown = tool;
-  hung_->total.work_j = kinetic_j(free, tool);  // by who threw it
+  virtual_tool_->total.work_j = kinetic_j(free, tool);  // by who threw it
   for (int i = 0; i < 2000; ++i) {
     const WrenchCommand c = tick(away);
     EXPECT_EQ(c.wrench[0].force_n, Vector3::Zero());
@@ -164,7 +166,7 @@ TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
 
 // Held still in a body far stiffer than the spring, the hand feels the spring, and no
 // more; the tool rests where body and spring balance.
-TEST_F(HungTools, AStuckHandFeelsTheSpring) {
+TEST_F(VirtualTools, AStuckHandFeelsTheSpring) {
   VirtualCoupling soft;
   soft.spring_n_per_m = 20.0;
   hold(make_plate(body_, 4, 0.006, kRadiusM), soft);
@@ -181,8 +183,8 @@ TEST_F(HungTools, AStuckHandFeelsTheSpring) {
       touch_m = pose[0].position_m.z();
     }
   }
-  const double felt = hung_->felt[0].force_n.z();
-  const double stretch = hung_->tool[0].position_m.z() - pose[0].position_m.z();
+  const double felt = virtual_tool_->felt[0].force_n.z();
+  const double stretch = virtual_tool_->tool[0].position_m.z() - pose[0].position_m.z();
   const Wrench body = wrenches(state().model, state().set, tools())[0];
   EXPECT_NEAR(felt, soft.spring_n_per_m * stretch, 1e-6 * felt);
   EXPECT_NEAR(felt, body.force_n.z(), 1e-4 * felt);
@@ -192,47 +194,47 @@ TEST_F(HungTools, AStuckHandFeelsTheSpring) {
 
 // Turned to and fro while it presses and lifts: where nothing pushes back against
 // turns, the account's work is that of spring and damper on the way alone.
-TEST_F(HungTools, TurnsThatAreNotFeltAreNoWork) {
+TEST_F(VirtualTools, TurnsThatAreNotFeltAreNoWork) {
   for (const bool felt : {false, true}) {
     ticks_ = 0;
     hold(make_plate(body_, 4, 0.006, kRadiusM));
-    hung_->torque_felt = felt;
-    const VirtualCoupling& c = hung_->coupling;
+    virtual_tool_->torque_felt = felt;
+    const VirtualCoupling& c = virtual_tool_->coupling;
     PortPoses pose;
     double linear_j = 0.0;
     double lowest_j = 0.0;
     for (int i = 0; i < 3000; ++i) {
       const double phase = 2.0 * std::numbers::pi * i / 1000.0;
       const Vector3 before = pose[0].position_m;
-      const Vector3 tool = hung_->tool[0].position_m;
+      const Vector3 tool = virtual_tool_->tool[0].position_m;
       pose[0].position_m = over(-0.001 + 0.0015 * std::cos(phase));
       pose[0].rotation =
           Eigen::AngleAxisd(0.3 * std::sin(phase), Vector3::UnitY()).toRotationMatrix();
       ASSERT_EQ(tick(pose).fault, 0);
       const Vector3& now = pose[0].position_m;
       const Vector3 spring_n =
-          c.spring_n_per_m * (now - hung_->tool[0].position_m);  // on the tool
-      const Vector3 damper_n = -hung_->felt[0].force_n - spring_n;
+          c.spring_n_per_m * (now - virtual_tool_->tool[0].position_m);  // on the tool
+      const Vector3 damper_n = -virtual_tool_->felt[0].force_n - spring_n;
       linear_j +=
           i == 0
               ? 0.0
               : 0.5 * c.spring_n_per_m *
                         ((tool - now).squaredNorm() - (tool - before).squaredNorm()) +
                     damper_n.dot(now - before);
-      lowest_j = std::min(lowest_j, hung_->total.work_j);
+      lowest_j = std::min(lowest_j, virtual_tool_->total.work_j);
     }
     expect_account(1e-12);
     EXPECT_GE(lowest_j, -1e-12);
-    EXPECT_GT(std::abs(hung_->total.work_j), 1e-5);
+    EXPECT_GT(std::abs(virtual_tool_->total.work_j), 1e-5);
     if (felt) {
-      EXPECT_GT(std::abs(linear_j - hung_->total.work_j), 1e-6);
+      EXPECT_GT(std::abs(linear_j - virtual_tool_->total.work_j), 1e-6);
     } else {
-      EXPECT_NEAR(linear_j, hung_->total.work_j, 1e-12);
+      EXPECT_NEAR(linear_j, virtual_tool_->total.work_j, 1e-12);
     }
   }
 }
 
-TEST_F(HungTools, LimitsAndFaultsAreThoseOfTheHands) {
+TEST_F(VirtualTools, LimitsAndFaultsAreThoseOfTheHands) {
   FastConfig config = free_of_clamps();
   config.force_max_n = 0.05;
   hold(make_plate(body_, 4, 0.006, kRadiusM), {}, config);
@@ -246,7 +248,7 @@ TEST_F(HungTools, LimitsAndFaultsAreThoseOfTheHands) {
     ASSERT_EQ(c.fault, 0);
   }
   EXPECT_NEAR(most, 0.05, 1e-3);  // torques are small beside forces here
-  EXPECT_GT(hung_->felt[0].force_n.norm(), 0.1);
+  EXPECT_GT(virtual_tool_->felt[0].force_n.norm(), 0.1);
   const WrenchCommand still = tick(pose, 0.0);
   EXPECT_EQ(still.fault, 0);
   pose[0].position_m.x() = std::nan("");
@@ -255,18 +257,18 @@ TEST_F(HungTools, LimitsAndFaultsAreThoseOfTheHands) {
   EXPECT_EQ(bad.wrench[0].force_n, Vector3::Zero());
 }
 
-TEST_F(HungTools, RefuseOneContactAndWhatIsNotValid) {
-  const auto hung = std::make_unique<HungTool>();
+TEST_F(VirtualTools, RefuseOneContactAndWhatIsNotValid) {
+  const auto held = std::make_unique<VirtualTool>();
   CoupledStorage alone(make_plate(body_, 1, 0.006, kRadiusM), free_of_clamps());
-  EXPECT_NE(hang(*hung, alone.state(), {}), nullptr);
+  EXPECT_NE(couple(*held, alone.state(), {}), nullptr);
   CoupledStorage four(make_plate(body_, 4, 0.006, kRadiusM), free_of_clamps());
   VirtualCoupling light;
   light.mass_kg = 0.0;
-  const char* const why = hang(*hung, four.state(), light);
+  const char* const why = couple(*held, four.state(), light);
   ASSERT_NE(why, nullptr);
   EXPECT_NE(std::strstr(why, "mass"), nullptr);
   light.mass_kg = 0.01;  // 3 g for 1500 N/m at 2 ms, 12 g more for 6 N s/m
-  const char* const too_light = hang(*hung, four.state(), light);
+  const char* const too_light = couple(*held, four.state(), light);
   ASSERT_NE(too_light, nullptr);
   EXPECT_NE(std::strstr(too_light, "too light"), nullptr);
   EXPECT_LT(four.state().config.force_max_n, 1e300);

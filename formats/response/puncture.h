@@ -1,0 +1,46 @@
+// What a needle breaks, cuts and rubs against in a body, as it is rendered
+// (runtime/needle/channel.h).
+//
+// Along the axis of a node the needle meets layers of materials. A membrane in front of
+// a layer bears a force, and then breaks. In the layer the tip cuts at a constant force
+// J w, toughness times the width of the edge. The shaft rubs by its length in the
+// layer.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/response/viscoelasticity.h"
+
+namespace palpate {
+
+constexpr std::int64_t kMostPunctureMaterials = 8;  ///< of a tool
+constexpr std::int64_t kMostPunctureLayers = 6;     ///< below a node
+
+/// Of a tool that punctures; no materials: it does not.
+struct Puncture {
+  std::string rule = {};  ///< what breaks the first membrane: "force" or "energy"
+  // Of every material (M).
+  std::vector<std::string> material = {};       ///< its name in the scene
+  std::vector<double> membrane_n = {};          ///< [N] >= 0; infinite: nothing does
+  std::vector<double> cutting_n = {};           ///< [N] >= 0 J w; infinite likewise
+  std::vector<double> friction_n_per_m = {};    ///< [N/m] >= 0, kinetic
+  std::vector<double> static_ratio = {};        ///< [-] >= 1 static over kinetic
+  std::vector<double> toughness_j_per_m2 = {};  ///< [J/m^2] >= 0 J; NaN: not known
+  // Of the tool.
+  double edge_width_m = 0.0;      ///< [m] >= 0 w; 0: not known
+  double shaft_n_per_m = 0.0;     ///< [N/m] > 0 along the shaft before it slips
+  double lateral_n_per_m2 = 0.0;  ///< [N/m^2] >= 0 across, per inserted length
+  double mouth_m = 0.0;           ///< [m] > 0 from a channel's axis: found again there
+  // Of the nodes: a row for all alike, or (n).
+  std::vector<double> rupture = {};          ///< [N] or [J] >= 0, as the rule says
+  RowsOf<double> layer_depth_m = {};         ///< (n x K) [m] first 0, rising; NaN: none
+  RowsOf<std::int32_t> layer_material = {};  ///< (n x K) row of `material`; -1: none
+
+  [[nodiscard]] bool empty() const noexcept { return material.empty(); }
+};
+
+}  // namespace palpate
