@@ -42,6 +42,7 @@ struct Scene {
   BenchBodyOptions body;
   double depth_m = 0.008;  // lowest point of the tool; negative: above the surface
   int tools = 1;           // each with a state of its own, on the same walk
+  bool needle = false;     // the tool punctures; of models that are a field
 };
 
 // From everything at once down to nothing to feel.
@@ -69,8 +70,30 @@ std::vector<Scene> scenes() {
           {.name = "8 bundles", .body = bundles},
           {.name = "dents", .body = dents},
           {.name = "softening", .body = softening},
+          {.name = "needle", .body = smooth, .needle = true},
           {.name = "rigid wall", .body = rigid, .depth_m = 0.001},
           {.name = "free space", .body = smooth, .depth_m = -0.004}};
+}
+
+// One channel takes up the whole walk: a tip finds it again wherever it comes down.
+PunctureRules bench_needle() {
+  PunctureRules rules;
+  rules.materials = 2;
+  rules.material[0] = {0.3, 0.1, 5.0, 1.2};
+  rules.material[1] = {0.2, 0.15, 8.0, 1.2};
+  rules.shaft_n_per_m = 100.0;
+  rules.lateral_n_per_m2 = 5000.0;
+  rules.mouth_m = 1.0;
+  return rules;
+}
+
+NodePuncture bench_layers() {
+  NodePuncture below;
+  below.layers = 2;
+  below.rupture = 0.3;
+  below.depth_m[1] = 0.002;
+  below.material[1] = 1;
+  return below;
 }
 
 // The walk and the messages that the slow process would send along it.
@@ -80,7 +103,10 @@ struct StepRecording {
 };
 
 StepRecording record(const StepBenchOptions& options, const Scene& scene) {
-  const BenchBody body = make_bench_body(scene.body);
+  BenchBody body = make_bench_body(scene.body);
+  for (Element& element : body.element) {
+    element.puncture.fill(scene.needle ? bench_layers() : NodePuncture{});
+  }
   StepRecording recording;
   recording.position_m =
       make_bench_walk(body, {.ticks = options.ticks,
@@ -94,19 +120,23 @@ StepRecording record(const StepBenchOptions& options, const Scene& scene) {
   return recording;
 }
 
-std::vector<std::unique_ptr<FastState>> make_states(LocalModel model, int tools) {
+std::vector<std::unique_ptr<FastState>> make_states(LocalModel model,
+                                                    const Scene& scene) {
   std::vector<std::unique_ptr<FastState>> states;
-  for (int i = 0; i < tools; ++i) {
+  for (int i = 0; i < scene.tools; ++i) {
     states.push_back(std::make_unique<FastState>());
     states.back()->config.model = model;
     states.back()->config.tool_radius_m = kToolRadiusM;
+    if (scene.needle && is_field(model)) {
+      states.back()->config.puncture = bench_needle();
+    }
   }
   return states;
 }
 
 StepBenchRow run(const StepRecording& recording, LocalModel model, const Scene& scene,
                  int ticks_per_slow, std::uint64_t (*allocations)()) {
-  const auto states = make_states(model, scene.tools);
+  const auto states = make_states(model, scene);
   std::vector<double> step_ns;
   std::vector<double> accept_ns;
   step_ns.reserve(recording.position_m.size());
