@@ -28,10 +28,10 @@ struct Puncture {
   std::vector<double> membrane_n = {};          ///< [N] >= 0; infinite: nothing does
   std::vector<double> cutting_n = {};           ///< [N] >= 0 J w; infinite likewise
   std::vector<double> friction_n_per_m = {};    ///< [N/m] >= 0, kinetic
+  std::vector<double> static_ratio = {};        ///< [-] >= 1 static over kinetic
   std::vector<double> toughness_j_per_m2 = {};  ///< [J/m^2] >= 0 J; NaN: not known
   // Of the tool.
   double edge_width_m = 0.0;      ///< [m] >= 0 w; 0: not known
-  double static_ratio = 1.0;      ///< [-] >= 1 static over kinetic friction
   double shaft_n_per_m = 0.0;     ///< [N/m] > 0 along the shaft before it slips
   double lateral_n_per_m2 = 0.0;  ///< [N/m^2] >= 0 across, per inserted length
   double mouth_m = 0.0;           ///< [m] > 0 from a channel's axis: found again there
