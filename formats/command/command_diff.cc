@@ -46,6 +46,7 @@ Json difference_json(const ToolDifference& tool) {
           {"largest_direction_rad", tool.largest_direction_rad},
           {"largest_relaxation", tool.largest_relaxation},
           {"same_memory", tool.same_memory},
+          {"same_puncture", tool.same_puncture},
           {"largest_compliance", tool.largest_compliance},
           {"stated_errors",
            {{"covered", tool.stated.covered},
@@ -65,11 +66,12 @@ void print_difference(const ToolDifference& tool) {
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
   fmt::print(
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
-      "the force held, coupling {:.4g} of its largest{}\n",
+      "the force held, coupling {:.4g} of its largest{}{}\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
       tool.largest_compliance,
       tool.same_memory ? ""
-                       : "; memory: other sites, bundles, kind of curve or yielding");
+                       : "; memory: other sites, bundles, kind of curve or yielding",
+      tool.same_puncture ? "" : "; puncture: other numbers or layers");
   if (tool.compared > 0) {
     fmt::print(
         "stated     {:.1f} % of nodes differ by no more than the first's stated error, "

@@ -99,6 +99,33 @@ Json compliance_json(const ComplianceTable& table) {
           {"convex", table.convex}};
 }
 
+// Infinite forces and unknown toughness: nulls.
+Json puncture_json(const Puncture& puncture) {
+  if (puncture.empty()) {
+    return nullptr;
+  }
+  Json materials = Json::array();
+  for (std::size_t m = 0; m < puncture.material.size(); ++m) {
+    materials.push_back({{"name", puncture.material[m]},
+                         {"membrane_n", puncture.membrane_n[m]},
+                         {"cutting_n", puncture.cutting_n[m]},
+                         {"friction_n_per_m", puncture.friction_n_per_m[m]},
+                         {"static_ratio", puncture.static_ratio[m]},
+                         {"toughness_j_per_m2", puncture.toughness_j_per_m2[m]}});
+  }
+  const auto [low, high] = std::ranges::minmax(puncture.rupture);
+  return {{"text", describe(puncture)},
+          {"doubts", doubts_of(puncture)},
+          {"rule", puncture.rule},
+          {"rupture", {low, high}},
+          {"rupture_units", rupture_units(puncture)},
+          {"materials", materials},
+          {"edge_width_m", puncture.edge_width_m},
+          {"shaft_n_per_m", puncture.shaft_n_per_m},
+          {"lateral_n_per_m2", puncture.lateral_n_per_m2},
+          {"mouth_m", puncture.mouth_m}};
+}
+
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
@@ -136,7 +163,8 @@ Json to_json(const ToolSummary& tool) {
           {"viscoelasticity", viscoelasticity_json(tool)},
           {"yielding", yielding_json(tool)},
           {"contacts", contacts_json(tool.tool)},
-          {"compliance", compliance_json(tool.compliance)}};
+          {"compliance", compliance_json(tool.compliance)},
+          {"puncture", puncture_json(tool.puncture)}};
 }
 
 // Of all nodes.
@@ -207,6 +235,9 @@ void print(const ToolSummary& tool) {
   }
   if (!tool.compliance.empty()) {
     fmt::print("coupling   {}\n", describe(tool.compliance));
+  }
+  if (!tool.puncture.empty()) {
+    fmt::print("puncture   {}\n", printable(describe_puncture(tool)));
   }
 }
 

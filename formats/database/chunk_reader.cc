@@ -1,6 +1,7 @@
 #include "formats/database/chunk_reader.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -11,6 +12,8 @@
 #include "formats/database/database_layout.h"
 #include "formats/database/database_rules.h"
 #include "formats/database/index_layout.h"
+#include "formats/database/puncture_layout.h"
+#include "formats/database/puncture_rules.h"
 #include "formats/database/viscoelasticity_reader.h"
 #include "formats/database/viscoelasticity_rules.h"
 #include "formats/hdf5/hdf5_reader.h"
@@ -210,6 +213,39 @@ void read_compliance_rows(const Hdf5Reader& file, const std::string& group,
   rows("/mode", content::kModeUnits, part.mode);
 }
 
+void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk,
+            const std::vector<std::uint8_t>& found, const std::string& what) {
+  if (!std::equal(found.begin(), found.end(), stored.row(chunk).data())) {
+    file.fail(fmt::format("{}: chunk {} is damaged: its SHA-256 is not the index's",
+                          what, chunk));
+  }
+}
+
+// Rules name a dataset and a row; who reads them must know the file, too.
+template <typename Rules>
+void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
+  try {
+    check_rules();
+  } catch (const FormatError& error) {
+    file.fail(error.what());
+  }
+}
+
+// All of it, rows of all nodes too.
+void read_puncture(Hdf5Reader& file, const DatabaseIndex& index, ToolIndex& tool) {
+  const std::string group = "/tools/" + tool.tool.name;
+  content::exchange_puncture(file, group, tool.puncture);
+  by_the_rules(file, [&] {
+    check_puncture(group, tool.puncture, index.node_begin.empty() ? 0 : index.nodes());
+  });
+  expect_rows(file, group + "/index/puncture_sha256", tool.puncture_sha256.size(),
+              tool.puncture.empty() ? 0 : std::int64_t{kSha256Bytes});
+  if (!tool.puncture.empty()) {
+    verify(file, tool.puncture_sha256, 0, puncture_digest(tool.puncture),
+           group + "/puncture");
+  }
+}
+
 DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   DatabaseIndex index;
   content::read_version(file, name.string());
@@ -230,6 +266,7 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     read_viscoelasticity_head(file, "/tools/" + entry.tool.name,
                               index.node_begin.empty() ? 0 : index.nodes(), entry);
     read_compliance_head(file, index, entry);
+    read_puncture(file, index, entry);
   }
   check_index(file, index);
   const std::string stored = file.remark("/index", "index_sha256");
@@ -242,24 +279,6 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   }
   index.bytes = std::filesystem::file_size(name);
   return index;
-}
-
-void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk,
-            const std::vector<std::uint8_t>& found, const std::string& what) {
-  if (!std::equal(found.begin(), found.end(), stored.row(chunk).data())) {
-    file.fail(fmt::format("{}: chunk {} is damaged: its SHA-256 is not the index's",
-                          what, chunk));
-  }
-}
-
-// Rules name a dataset and a row; who reads them must know the file, too.
-template <typename Rules>
-void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
-  try {
-    check_rules();
-  } catch (const FormatError& error) {
-    file.fail(error.what());
-  }
 }
 
 }  // namespace
@@ -351,6 +370,9 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     });
   }
   part.compliance = compliance(tool, chunk);
+  std::vector<std::int32_t> nodes(static_cast<std::size_t>(part.nodes()));
+  std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(node));
+  part.puncture = rows_of(entry.puncture, nodes);
   return part;
 }
 

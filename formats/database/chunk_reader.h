@@ -28,7 +28,7 @@ class ChunkReader {
   [[nodiscard]] BodyChunk body(std::int64_t chunk) const;
 
   /// The responses of a chunk's nodes. Of their optional parts, what is rendered:
-  /// tilts, relaxation, yielding and compliance.
+  /// tilts, relaxation, yielding, compliance and puncture.
   /// @param tool position in index().tools. @throws FormatError if it is damaged.
   [[nodiscard]] ResponseTable responses(std::size_t tool, std::int64_t chunk) const;
 

@@ -7,6 +7,7 @@
 
 #include "formats/database/compliance_rules.h"
 #include "formats/database/format_error.h"
+#include "formats/database/puncture_rules.h"
 #include "formats/database/viscoelasticity_rules.h"
 
 namespace palpate {
@@ -279,6 +280,7 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   check(group, table.viscoelasticity, table.nodes());
   check_compliance_head(group, table.compliance);
   check_compliance_rows(group, table.compliance, table.nodes());
+  check_puncture(group, table.puncture, table.nodes());
   if (!table.relaxation.empty() && !table.viscoelasticity.empty()) {
     fail("{}/relaxation has g_1 and g, must have one of them", group);
   }

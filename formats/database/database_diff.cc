@@ -129,6 +129,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
   ToolDifference result;
   result.tool = a.tool.name;
   result.same_memory = same_memory(a.viscoelasticity, b.viscoelasticity);
+  result.same_puncture = same(a.puncture, b.puncture);
   result.largest_compliance = relative_difference(a.compliance, b.compliance);
   double squares = 0.0;
   std::vector<NodeDifference> nodes;
@@ -209,7 +210,7 @@ CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b) {
 
 bool ToolDifference::agrees(double tolerance_relative) const {
   return only_first == 0 && only_second == 0 && largest_depth_m == 0.0 &&
-         largest_relative_rms <= tolerance_relative && same_memory &&
+         largest_relative_rms <= tolerance_relative && same_memory && same_puncture &&
          largest_relaxation <= tolerance_relative &&
          largest_compliance <= tolerance_relative &&
          largest_direction_rad <= tolerance_relative;

@@ -51,13 +51,15 @@ struct ToolDifference {
   double largest_depth_m = 0.0;       ///< [m] largest difference of largest depths
   double largest_direction_rad = 0.0;
   double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
-  bool same_memory = true;  ///< sites, bundles, of which press curves are, yielding
+  bool same_memory = true;    ///< sites, bundles, of which press curves are, yielding
+  bool same_puncture = true;  ///< what a needle breaks, cuts and rubs against
   double largest_compliance = 0.0;  ///< [-] of the first's largest; 1: one has none
   StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 
   /// Whether no force differs by more than this part of the node's own, and no node has
-  /// a response in one file only. Curves must end together and relax alike.
+  /// a response in one file only. Curves must end together and relax alike, and
+  /// punctures are the same.
   [[nodiscard]] bool agrees(double tolerance_relative) const;
 };
 

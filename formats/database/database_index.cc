@@ -6,6 +6,7 @@
 
 #include "formats/base/sha256.h"
 #include "formats/database/index_layout.h"
+#include "formats/database/puncture_layout.h"
 
 namespace palpate {
 namespace {
@@ -197,6 +198,11 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   }
   set_share_extents(table.viscoelasticity, index, tool);
   set_compliance(table.compliance, index, tool);
+  tool.puncture = table.puncture;
+  if (!tool.puncture.empty()) {
+    tool.puncture_sha256.resize(1, kSha256Bytes);
+    set_digest(tool.puncture_sha256, 0, puncture_digest(tool.puncture));
+  }
   return tool;
 }
 
@@ -276,6 +282,24 @@ std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
   Sha256 digest;
   add(digest, chunk.value);
   add(digest, chunk.mode);
+  return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
+  Sha256 digest;
+  const auto add_text = [&digest](const std::string& text) {
+    digest.update(std::as_bytes(std::span(text)));
+  };
+  add_text(puncture.rule + "\n");
+  for (const std::string& name : puncture.material) {
+    add_text(name + "\n");
+  }
+  add(digest, std::vector{puncture.edge_width_m, puncture.shaft_n_per_m,
+                          puncture.lateral_n_per_m2, puncture.mouth_m});
+  content::for_each_puncture_dataset(
+      puncture, [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
+        add(digest, values);
+      });
   return bytes_of(digest);
 }
 

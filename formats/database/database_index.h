@@ -44,6 +44,7 @@ struct ToolIndex {
   Puncture puncture;           ///< as the table's, with its rows of nodes
   Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
+  Sha256Rows puncture_sha256;    ///< (1 x 32) puncture_digest(); none without puncture
 };
 
 /// Chunks of neighbouring nodes. Nodes and triangles are counted as the file orders
@@ -93,6 +94,9 @@ struct BodyChunk {
 
 /// The same of the rows of its compliance table.
 [[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);
+
+/// The same of all that a file says of a tool's puncture, rows of all nodes too.
+[[nodiscard]] std::vector<std::uint8_t> puncture_digest(const Puncture& puncture);
 
 /// Of a tool whose responses relax, over all of its nodes.
 [[nodiscard]] ShareExtent share_extent(const ToolIndex& tool);

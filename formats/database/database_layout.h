@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/lines.h"
+#include "formats/database/puncture_layout.h"
 #include "formats/database/response_database.h"
 #include "formats/database/select_nodes.h"
 #include "formats/database/shape_layout.h"
@@ -293,6 +294,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_relaxation(file, group + "/relaxation", table.relaxation);
   exchange_viscoelasticity(file, group, table.viscoelasticity);
   exchange_compliance(file, group, table.compliance);
+  exchange_puncture(file, group, table.puncture);
 }
 
 template <typename File, typename Measured>

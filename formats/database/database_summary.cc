@@ -60,6 +60,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.compliance = table.compliance;
   summary.compliance.value.resize(0, 0);
   summary.compliance.mode.resize(0, table.compliance.mode.cols());
+  summary.puncture = table.puncture;
   summary.accuracy = table.accuracy;
   return summary;
 }
@@ -104,6 +105,7 @@ ToolSummary summarise(const ToolIndex& tool) {
     summary.memory_sites = tool.memory_sites;
   }
   summary.compliance = tool.compliance;
+  summary.puncture = tool.puncture;
   summary.accuracy = tool.accuracy;
   return summary;
 }
@@ -140,6 +142,11 @@ std::string doubts_of_memory(const ToolSummary& tool) {
   }
   return fmt::format("must be {} to {}: a sliding force relaxes too {}", kFinestSites,
                      kCoarsestSites, radii < kFinestSites ? "little" : "much");
+}
+
+std::string describe_puncture(const ToolSummary& tool) {
+  const std::string doubts = doubts_of(tool.puncture);
+  return describe(tool.puncture) + (doubts.empty() ? "" : "; " + doubts);
 }
 
 std::string describe_depths(const AccuracyRecord& accuracy) {

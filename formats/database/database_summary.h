@@ -36,6 +36,7 @@ struct ToolSummary {
   std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
   std::string yielding = {};  ///< how responses yield, one line; empty: they do not
   ComplianceTable compliance = {};  ///< without rows; empty: contacts do not couple
+  Puncture puncture = {};           ///< with its rows; empty: nothing is punctured
   AccuracyRecord accuracy;
 };
 
@@ -58,6 +59,9 @@ struct ToolSummary {
 /// Why memory at these sites may not be what a slow press meets: they are finer or
 /// coarser than contacts, or not known. In a sentence's end; empty without doubts.
 [[nodiscard]] std::string doubts_of_memory(const ToolSummary& tool);
+
+/// One line for people: what the tool punctures, and doubts of it; empty for nothing.
+[[nodiscard]] std::string describe_puncture(const ToolSummary& tool);
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
 

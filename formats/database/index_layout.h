@@ -43,6 +43,9 @@ void exchange_index(Access& access, Index& index) {
                         tool.compliance_sha256.rows() > 0)) {
       access.values(group + "/compliance_sha256", "1", tool.compliance_sha256);
     }
+    if (access.optional(group + "/puncture_sha256", tool.puncture_sha256.rows() > 0)) {
+      access.values(group + "/puncture_sha256", "1", tool.puncture_sha256);
+    }
     if (access.optional(group + "/share_min", tool.share_min.rows() > 0)) {
       access.values(group + "/share_min", "1", tool.share_min);
       access.values(group + "/share_max", "1", tool.share_max);

@@ -214,6 +214,7 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
       rows_at(table.compliance.value, table.compliance.empty() ? Nodes{} : nodes);
   selected.compliance.mode = rows_at(
       table.compliance.mode, table.compliance.mode.size() == 0 ? Nodes{} : nodes);
+  selected.puncture = rows_of(table.puncture, nodes);
   return selected;
 }
 

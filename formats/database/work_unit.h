@@ -61,6 +61,7 @@ struct JobDescription {
   /// The same at every node of every tool: times and one row of shares; else empty.
   Viscoelasticity relaxation = {};
   std::vector<Yielding> yielding = {};  ///< by tool, rows for all vertices
+  std::vector<Puncture> puncture = {};  ///< by tool, rows for all vertices; or none
   std::int64_t bundles = 1;             ///< of responses that relax
   std::string left_out = {};            ///< of every response; counts are added to it
   Provenance provenance;                ///< but `left_out` and `plan_sha256`

@@ -248,6 +248,9 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     assembly.hard_error_covered =
         std::min(assembly.hard_error_covered, factor.hard.covered);
     complete(plan.force_relative, answers[t], factor, database.tools.back());
+    if (!plan.puncture.empty()) {
+      database.tools.back().puncture = plan.puncture[t];
+    }
     Viscoelasticity relaxation = plan.relaxation;
     relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];
     give_memory(plan.body, plan.normal, relaxation, plan.bundles,

@@ -1,5 +1,7 @@
 #include "formats/database/work_unit_cbor.h"
 
+#include "formats/database/puncture_layout.h"
+
 namespace palpate {
 namespace {
 
@@ -127,6 +129,49 @@ WorkUnitNode node_of(const json& j) {
   return node;
 }
 
+json to_json(const Puncture& puncture) {
+  json j{{"rule", puncture.rule},
+         {"material", puncture.material},
+         {"edge_width_m", puncture.edge_width_m},
+         {"shaft_n_per_m", puncture.shaft_n_per_m},
+         {"lateral_n_per_m2", puncture.lateral_n_per_m2},
+         {"mouth_m", puncture.mouth_m},
+         {"layers", puncture.layer_depth_m.cols()}};
+  content::for_each_puncture_dataset(
+      puncture,
+      [&](const std::string& name, const char* /*units*/, const auto& values) {
+        j[name] = std::vector(values.data(), values.data() + values.size());
+      });
+  return j;
+}
+
+void take_values(const json& j, std::vector<double>& values, Eigen::Index /*columns*/) {
+  values = j.get<std::vector<double>>();
+}
+
+template <typename T>
+void take_values(const json& j, RowsOf<T>& rows, Eigen::Index columns) {
+  const auto values = j.get<std::vector<T>>();
+  const auto size = static_cast<Eigen::Index>(values.size());
+  rows = Eigen::Map<const RowsOf<T>>(values.data(), columns > 0 ? size / columns : 0,
+                                     columns);
+}
+
+Puncture puncture_of(const json& j) {
+  Puncture puncture{.rule = j.at("rule"),
+                    .material = j.at("material").get<std::vector<std::string>>(),
+                    .edge_width_m = j.at("edge_width_m"),
+                    .shaft_n_per_m = j.at("shaft_n_per_m"),
+                    .lateral_n_per_m2 = j.at("lateral_n_per_m2"),
+                    .mouth_m = j.at("mouth_m")};
+  const auto columns = j.at("layers").get<Eigen::Index>();
+  content::for_each_puncture_dataset(
+      puncture, [&](const std::string& name, const char* /*units*/, auto& values) {
+        take_values(j.at(name), values, columns);
+      });
+  return puncture;
+}
+
 }  // namespace
 
 json json_list(const Eigen::Vector3d& v) {
@@ -188,6 +233,9 @@ void to_json(json& j, const JobDescription& plan) {
     });
     j["yielding"].push_back(std::move(rows));
   }
+  for (const Puncture& puncture : plan.puncture) {
+    j["puncture"].push_back(to_json(puncture));
+  }
 }
 
 void from_json(const json& j, JobDescription& plan) {
@@ -225,6 +273,10 @@ void from_json(const json& j, JobDescription& plan) {
                                    std::vector<double>& values) {
       values = rows.at(name).get<std::vector<double>>();
     });
+  }
+  plan.puncture.clear();
+  for (const json& puncture : j.value("puncture", json::array())) {
+    plan.puncture.push_back(puncture_of(puncture));
   }
 }
 

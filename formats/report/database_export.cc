@@ -1,6 +1,7 @@
 #include "formats/report/database_export.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <span>
 #include <vector>
@@ -50,6 +51,44 @@ std::vector<double> of_nodes(const ResponseTable& table, const Value& value) {
   return values;
 }
 
+// Row of a part that has one row for all nodes alike, or one for each.
+Eigen::Index own_row(Eigen::Index rows, std::int64_t node) {
+  return rows == 1 ? 0 : node;
+}
+
+// What VTK's parser of numbers in text cannot read stands as -1.
+double readable(double value) {
+  return std::isfinite(value) ? value : -1.0;
+}
+
+// "rupture_n" or "rupture_j".
+const char* rupture_column(const Puncture& puncture) {
+  return puncture.rule == "energy" ? "rupture_j" : "rupture_n";
+}
+
+void puncture_data(Out out, const ResponseTable& table) {
+  const Puncture& puncture = table.puncture;
+  if (puncture.empty()) {
+    return;
+  }
+  data_array(out, "Float64", rupture_column(puncture), 1,
+             of_nodes(table, [&](std::int64_t node) {
+               return readable(row_of(puncture.rupture, node));
+             }));
+  std::vector<double> depth_m;
+  std::vector<std::int32_t> material;
+  for (std::int64_t i = 0; i < table.nodes(); ++i) {
+    const Eigen::Index row = own_row(puncture.layer_depth_m.rows(), i);
+    for (Eigen::Index k = 0; k < puncture.layer_depth_m.cols(); ++k) {
+      depth_m.push_back(readable(puncture.layer_depth_m(row, k)));
+      material.push_back(puncture.layer_material(row, k));
+    }
+  }
+  const auto layers = static_cast<int>(puncture.layer_depth_m.cols());
+  data_array(out, "Float64", "layer_depth_m", layers, depth_m);
+  data_array(out, "Int32", "layer_material", layers, material);
+}
+
 // "plastic_share" of "/plastic/share".
 std::string column_name(std::string dataset) {
   std::replace(dataset.begin(), dataset.end(), '/', '_');
@@ -92,6 +131,7 @@ void point_data(Out out, const ResponseTable& table) {
                std::span(coupling.value.data(),
                          static_cast<std::size_t>(coupling.value.size())));
   }
+  puncture_data(out, table);
   fmt::format_to(out, "</PointData>\n");
 }
 
@@ -119,6 +159,37 @@ std::string to_vtu(const ResponseDatabase& database, const ResponseTable& table)
   return text;
 }
 
+namespace {
+
+// ",rupture_n,layer_depth_m_1,layer_material_1,..."; nothing of a tool that punctures
+// nothing.
+std::string puncture_head(const Puncture& puncture) {
+  std::string text;
+  if (!puncture.empty()) {
+    text = fmt::format(",{}", rupture_column(puncture));
+    for (Eigen::Index k = 1; k <= puncture.layer_depth_m.cols(); ++k) {
+      text += fmt::format(",layer_depth_m_{0},layer_material_{0}", k);
+    }
+  }
+  return text;
+}
+
+// A node's values of these columns; without a layer: nan and -1.
+std::string puncture_values(const Puncture& puncture, std::int64_t node) {
+  std::string text;
+  if (!puncture.empty()) {
+    text = fmt::format(",{}", row_of(puncture.rupture, node));
+    const Eigen::Index row = own_row(puncture.layer_depth_m.rows(), node);
+    for (Eigen::Index k = 0; k < puncture.layer_depth_m.cols(); ++k) {
+      text += fmt::format(",{},{}", puncture.layer_depth_m(row, k),
+                          puncture.layer_material(row, k));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string to_csv(const ResponseDatabase& database, const ResponseTable& table) {
   const Viscoelasticity& relaxation = table.viscoelasticity;
   std::string text = "node,x_m,y_m,z_m,depth_m,force_n,stiffness_n_per_m,energy_j";
@@ -132,7 +203,7 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
       fmt::format_to(out, ",{}", column_name(name));
     }
   });
-  text += '\n';
+  text += puncture_head(table.puncture) + '\n';
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto x = database.body.position_m.row(i);
     const CurveView curve = table.curve(i);
@@ -148,6 +219,7 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
         fmt::format_to(std::back_inserter(shares), ",{}", row_of(values, i));
       }
     });
+    shares += puncture_values(table.puncture, i);
     for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {
       fmt::format_to(out, "{},{},{},{},{},{},{},{}{}\n", i, x[0], x[1], x[2],
                      curve.depth_m[k], curve.force_n[k], curve.stiffness_n_per_m[k],
@@ -168,6 +240,24 @@ Json rows_json(const Rows& values) {
     rows.push_back(std::vector<typename Rows::Scalar>(row.begin(), row.end()));
   }
   return rows;
+}
+
+// What is infinite or not a number becomes null.
+Json to_json(const Puncture& puncture) {
+  return {{"rule", puncture.rule},
+          {"material", puncture.material},
+          {"membrane_n", puncture.membrane_n},
+          {"cutting_n", puncture.cutting_n},
+          {"friction_n_per_m", puncture.friction_n_per_m},
+          {"static_ratio", puncture.static_ratio},
+          {"toughness_j_per_m2", puncture.toughness_j_per_m2},
+          {"edge_width_m", puncture.edge_width_m},
+          {"shaft_n_per_m", puncture.shaft_n_per_m},
+          {"lateral_n_per_m2", puncture.lateral_n_per_m2},
+          {"mouth_m", puncture.mouth_m},
+          {rupture_column(puncture), puncture.rupture},
+          {"layer_depth_m", rows_json(puncture.layer_depth_m)},
+          {"layer_material", rows_json(puncture.layer_material)}};
 }
 
 Json to_json(const Viscoelasticity& relaxation) {
@@ -250,6 +340,9 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
   }
   if (table.viscoelasticity.remembers()) {
     report["viscoelasticity"] = to_json(table.viscoelasticity);
+  }
+  if (!table.puncture.empty()) {
+    report["puncture"] = to_json(table.puncture);
   }
   return json_text(report) + "\n";
 }

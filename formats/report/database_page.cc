@@ -170,6 +170,9 @@ std::string tool_rows(const ResponseTable& table) {
   if (!all.compliance.empty()) {
     text += row("coupling", describe(all.compliance));
   }
+  if (!all.puncture.empty()) {
+    text += row("puncture", describe_puncture(all));
+  }
   return text + row("accuracy", accuracy_of(table));
 }
 

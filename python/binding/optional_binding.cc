@@ -78,6 +78,27 @@ py::dict viscoelasticity(const HeldTool& tool) {
   return parts;
 }
 
+py::dict puncture(const HeldTool& tool) {
+  const Puncture& from = tool.table->puncture;
+  const py::object owner = py::cast(tool.held);
+  py::dict parts;
+  parts["rule"] = from.rule;
+  parts["material"] = from.material;
+  parts["membrane_n"] = looking_at(from.membrane_n, owner);
+  parts["cutting_n"] = looking_at(from.cutting_n, owner);
+  parts["friction_n_per_m"] = looking_at(from.friction_n_per_m, owner);
+  parts["static_ratio"] = looking_at(from.static_ratio, owner);
+  parts["toughness_j_per_m2"] = looking_at(from.toughness_j_per_m2, owner);
+  parts["edge_width_m"] = from.edge_width_m;
+  parts["shaft_n_per_m"] = from.shaft_n_per_m;
+  parts["lateral_n_per_m2"] = from.lateral_n_per_m2;
+  parts["mouth_m"] = from.mouth_m;
+  parts["rupture"] = looking_at(from.rupture, owner);
+  parts["layer_depth_m"] = rows_of(from.layer_depth_m, owner);
+  parts["layer_material"] = rows_of(from.layer_material, owner);
+  return parts;
+}
+
 }  // namespace
 
 void bind_optional(py::class_<HeldTool>& type) {
@@ -94,6 +115,9 @@ void bind_optional(py::class_<HeldTool>& type) {
   type.def_property_readonly("viscoelasticity", &viscoelasticity,
                              "as it is rendered: tau_s (K,) [s], g (1 or n, K) [-], "
                              "memory sites, yielding; empty if nothing relaxes");
+  type.def_property_readonly("puncture", &puncture,
+                             "of a needle: material (m,), their forces, rupture [N or "
+                             "J], layers (1 or n, K); empty if nothing is punctured");
 }
 
 }  // namespace palpate

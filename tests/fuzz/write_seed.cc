@@ -6,6 +6,7 @@
 #include "formats/hdf5/hdf5_io.h"
 #include "formats/recording/recording_writer.h"
 #include "tests/support/old_contact_recording.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/small_database.h"
 
 namespace {
@@ -48,7 +49,9 @@ void write_contacts(const char* file) {
 
 int main(int argc, char** argv) {
   palpate::skip_hdf5_exit_cleanup();
-  palpate::write_database(argv[1], palpate::small_database());
+  palpate::ResponseDatabase database = palpate::small_database();
+  database.tools[1].puncture = palpate::some_puncture(6);
+  palpate::write_database(argv[1], database);
   if (argc > 2) {
     write_recording(argv[2], false);
   }

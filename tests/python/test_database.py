@@ -89,6 +89,8 @@ def test_optional_parts_are_empty_where_nobody_filled_them(flat):
     assert tool.displacement["node"].size == 0
     assert tool.relaxation["g_1"].size == 0
     assert tool.viscoelasticity["tau_s"].size == 0
+    assert tool.puncture["material"] == []
+    assert tool.puncture["rupture"].size == 0
     assert flat.measurement["depth_m"].size == 0
 
 

@@ -4,6 +4,7 @@
 
 #include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
@@ -47,6 +48,33 @@ TEST_F(DatabaseTool, CheckPassesAGoodFileAndNamesWhatIsWrongWithAnother) {
   EXPECT_NE(cut.err.find("is truncated or damaged (3000 bytes)"), std::string::npos)
       << cut.err;
   EXPECT_EQ(std::count(cut.err.begin(), cut.err.end(), '\n'), 1);
+}
+
+TEST_F(DatabaseTool, ANeedleIsDescribedAndDoubted) {
+  ResponseDatabase database = small_database();
+  database.tools[1].puncture = some_puncture(6);
+  write_database(file_, database);
+  const auto run = [&](const char* command) {
+    return run_tool_process("palpate-db", {command, file_, "--json"});
+  };
+  const ToolRun sound = run("check");
+  EXPECT_EQ(sound.err, "");
+  EXPECT_TRUE(parse_json(sound.out).at("notes").empty());
+  const Json details = parse_json(run("info").out).at("tool_details");
+  EXPECT_TRUE(details.at(0).at("puncture").is_null());
+  const Json& puncture = details.at(1).at("puncture");
+  EXPECT_EQ(puncture.at("rule"), "force");
+  EXPECT_EQ(puncture.at("materials").at(1).at("cutting_n"), 0.2);
+  EXPECT_TRUE(puncture.at("materials").at(2).at("membrane_n").is_null());
+  EXPECT_EQ(puncture.at("doubts"), "");
+  database.tools[1].puncture.toughness_j_per_m2[0] = 25000.0;
+  write_database(file_, database);
+  const ToolRun doubted = run("check");
+  EXPECT_EQ(doubted.exit_code, 0);
+  EXPECT_NE(doubted.err.find("palpate-db: warning: tool ball: the toughness of skin"),
+            std::string::npos)
+      << doubted.err;
+  EXPECT_EQ(parse_json(doubted.out).at("notes").size(), 1U);
 }
 
 TEST_F(DatabaseTool, PictureNeedsAToolWhereThereAreSeveral) {

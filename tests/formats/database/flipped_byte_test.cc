@@ -10,8 +10,8 @@
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
 #include "formats/response/memory_sites.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/quiet_exit.h"
-#include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -77,6 +77,7 @@ TEST_P(FlippedByte, InsideDataIsRefused) {
   relaxation.error_relative.assign(n, 0.01F);
   relaxation.sites =
       place_sites(database.body, database.normal, std::vector<bool>(n, true), 0.03);
+  database.tools[0].puncture = some_puncture(database.body.position_m.rows());
   write_database(file, database);
   const std::vector<Range> ranges = data_of(file);
   std::string whole;

@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/database/error_calibration.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/sample_units.h"
 #include "tests/support/test_data.h"
 
@@ -78,10 +79,20 @@ void expect_same(const JobDescription& a, const JobDescription& b) {
   EXPECT_EQ(a.relaxation.tau_s, b.relaxation.tau_s);
   EXPECT_EQ(a.relaxation.g, b.relaxation.g);
   EXPECT_EQ(a.bundles, b.bundles);
+  ASSERT_EQ(a.puncture.size(), b.puncture.size());
+  for (std::size_t i = 0; i < a.puncture.size(); ++i) {
+    EXPECT_TRUE(same(a.puncture[i], b.puncture[i]));
+  }
   ASSERT_EQ(a.tool.size(), b.tool.size());
   for (std::size_t i = 0; i < a.tool.size(); ++i) {
     expect_same(a.tool[i], b.tool[i]);
   }
+}
+
+JobDescription puncturing_plan() {
+  JobDescription plan = sample_plan();
+  plan.puncture = {some_puncture(plan.body.position_m.rows())};
+  return plan;
 }
 
 JobDescription relaxing_plan() {
@@ -120,6 +131,20 @@ TEST(UnitBytes, KeepEveryFieldOfAPlan) {
   expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
   plan = relaxing_plan();
   expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+  plan = puncturing_plan();  // with numbers that are infinite and none
+  expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+  plan.puncture = {some_puncture(1), {}};
+  expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+}
+
+TEST(Assemble, GivesEveryToolItsPuncture) {
+  const JobDescription plan = puncturing_plan();
+  const ResponseDatabase database = assemble(plan, sample_units(), {}).database;
+  EXPECT_TRUE(same(database.tools.front().puncture, plan.puncture.front()));
+  EXPECT_NO_THROW(check(database));
+  EXPECT_TRUE(assemble(sample_plan(), sample_units(), {})
+                  .database.tools.front()
+                  .puncture.empty());
 }
 
 TEST(Assemble, GivesEveryToolOfARelaxingJobItsMemory) {

@@ -1,5 +1,6 @@
 #include "formats/report/database_export.h"
 
+#include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/json_text.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/small_database.h"
 
 namespace palpate {
@@ -82,6 +84,39 @@ TEST(DatabaseExport, EveryFormatSaysHowResponsesRelax) {
   EXPECT_EQ(relaxation.at("tau_s"), (std::vector<double>{0.5, 4.0}));
   EXPECT_EQ(relaxation.at("g").at(4).at(1), 0.3F);
   EXPECT_EQ(relaxation.at("sites").at("weight").at(1).at(1), 0.75F);
+}
+
+TEST(DatabaseExport, EveryFormatSaysWhatANeedleBreaks) {
+  ResponseDatabase database = small_database();
+  ResponseTable& table = database.tools[1];
+  table.puncture = some_puncture(6);
+  table.puncture.rupture[2] = std::numeric_limits<double>::infinity();
+  std::istringstream lines(to_csv(database, table));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.ends_with(
+      ",rupture_n,layer_depth_m_1,layer_material_1,layer_depth_m_2,layer_material_2,"
+      "layer_depth_m_3,layer_material_3"))
+      << line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.ends_with(",2,0,0,0.002,1,0.01,2")) << line;
+  const std::string vtu = to_vtu(database, table);
+  const auto after = [&](const std::string& head) {
+    const std::size_t at = vtu.find(head);
+    EXPECT_NE(at, std::string::npos) << head;
+    return vtu.substr(vtu.find('\n', at) + 1, 40);
+  };
+  // Neither "inf" nor "nan", which VTK does not read.
+  EXPECT_TRUE(after("Name=\"rupture_n\"").starts_with("2 2.01 -1 2.03 "));
+  EXPECT_TRUE(after("Name=\"layer_depth_m\" NumberOfComponents=\"3\"")
+                  .starts_with("0 0.002 0.01 0 0.002001 -1 "));
+  EXPECT_TRUE(after("Name=\"layer_material\"").starts_with("0 1 2 0 1 -1 "));
+  const auto puncture = parse_json(to_json_text(database, table)).at("puncture");
+  EXPECT_EQ(puncture.at("material").at(2), "bone");
+  EXPECT_TRUE(puncture.at("rupture_n").at(2).is_null());
+  EXPECT_EQ(puncture.at("layer_depth_m").at(0).at(2), 0.01);
+  table.puncture.rule = "energy";
+  EXPECT_NE(to_vtu(database, table).find("Name=\"rupture_j\""), std::string::npos);
 }
 
 }  // namespace

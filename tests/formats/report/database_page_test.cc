@@ -9,6 +9,7 @@
 #include "formats/base/json_text.h"
 #include "formats/report/display_mesh.h"
 #include "tests/support/page_visit.h"
+#include "tests/support/punctured_sphere.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
@@ -136,6 +137,15 @@ TEST(ReportPage, CountsWhatWasSolvedAgain) {
   table.history_text = {"touches late: mesh 2 times finer"};
   EXPECT_NE(report_page(database, "a.h5").find("2 of touches late: mesh 2 times finer"),
             std::string::npos);
+}
+
+TEST(ReportPage, SaysWhatANeedleBreaks) {
+  ResponseDatabase database = punctured_sphere(true);
+  EXPECT_NE(
+      report_page(database, "a.h5").find("<th>puncture</th><td>the first membrane"),
+      std::string::npos);
+  database.tools[0].puncture = {};
+  EXPECT_EQ(report_page(database, "a.h5").find("<th>puncture</th>"), std::string::npos);
 }
 
 TEST(ReportPage, AsksForNothingFromElsewhere) {

@@ -1,0 +1,163 @@
+#include "formats/response/puncture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+bool same_numbers(std::span<const double> a, std::span<const double> b) {
+  return std::ranges::equal(a, b, [](double x, double y) {
+    return x == y || (std::isnan(x) && std::isnan(y));
+  });
+}
+
+template <typename Values>
+auto flat_span(const Values& values) {
+  return std::span(values.data(), static_cast<std::size_t>(values.size()));
+}
+
+template <typename Matrix>
+Matrix matrix_rows(const Matrix& values, std::span<const std::int32_t> nodes) {
+  if (values.rows() < 2) {
+    return values;
+  }
+  Matrix rows(static_cast<Eigen::Index>(nodes.size()), values.cols());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = values.row(nodes[i]);
+  }
+  return rows;
+}
+
+std::string describe_material(const Puncture& puncture, std::size_t m) {
+  const double membrane_n = puncture.membrane_n[m];
+  const double cutting_n = puncture.cutting_n[m];
+  const std::string& name = puncture.material[m];
+  if (std::isinf(cutting_n)) {
+    return fmt::format("{} is not cut", name);
+  }
+  const std::string membrane = std::isinf(membrane_n)
+                                   ? "that nothing breaks"
+                                   : fmt::format("{:.3g} N", membrane_n);
+  return fmt::format(
+      "{}: membrane {}, cutting {:.3g} N, friction {:.3g} N/m, {:.3g} times it at rest",
+      name, membrane, cutting_n, puncture.friction_n_per_m[m],
+      puncture.static_ratio[m]);
+}
+
+// Layers of the node that has most.
+Eigen::Index most_layers(const Puncture& puncture) {
+  Eigen::Index most = 0;
+  for (const auto& row : puncture.layer_material.rowwise()) {
+    most = std::max(most, (row.array() >= 0).count());
+  }
+  return most;
+}
+
+// Rows of nodes at which the surface breaks at less than the cut behind it.
+std::int64_t weak_ruptures(const Puncture& puncture) {
+  const std::int64_t rows = std::max<std::int64_t>(std::ssize(puncture.rupture),
+                                                   puncture.layer_material.rows());
+  std::int64_t weak = 0;
+  for (std::int64_t i = 0; i < rows && puncture.rule == "force"; ++i) {
+    const double rupture_n = row_of(puncture.rupture, i);
+    const std::int32_t first =
+        puncture.layer_material(puncture.layer_material.rows() == 1 ? 0 : i, 0);
+    weak += rupture_n > 0.0 &&
+            rupture_n < puncture.cutting_n[static_cast<std::size_t>(first)];
+  }
+  return weak;
+}
+
+void add_doubt(std::string& doubts, const std::string& doubt) {
+  doubts += (doubts.empty() ? "" : "; ") + doubt;
+}
+
+}  // namespace
+
+const char* rupture_units(const Puncture& puncture) noexcept {
+  return puncture.rule == "energy" ? "J" : "N";
+}
+
+Puncture rows_of(const Puncture& puncture, std::span<const std::int32_t> nodes) {
+  Puncture part = puncture;
+  if (puncture.rupture.size() > 1) {
+    part.rupture.clear();
+    for (const std::int32_t node : nodes) {
+      part.rupture.push_back(puncture.rupture[static_cast<std::size_t>(node)]);
+    }
+  }
+  part.layer_depth_m = matrix_rows(puncture.layer_depth_m, nodes);
+  part.layer_material = matrix_rows(puncture.layer_material, nodes);
+  return part;
+}
+
+bool same(const Puncture& a, const Puncture& b) {
+  const auto same_shape = [](const auto& x, const auto& y) {
+    return x.rows() == y.rows() && x.cols() == y.cols();
+  };
+  return a.rule == b.rule && a.material == b.material &&
+         same_numbers(a.membrane_n, b.membrane_n) &&
+         same_numbers(a.cutting_n, b.cutting_n) &&
+         same_numbers(a.friction_n_per_m, b.friction_n_per_m) &&
+         same_numbers(a.static_ratio, b.static_ratio) &&
+         same_numbers(a.toughness_j_per_m2, b.toughness_j_per_m2) &&
+         a.edge_width_m == b.edge_width_m && a.shaft_n_per_m == b.shaft_n_per_m &&
+         a.lateral_n_per_m2 == b.lateral_n_per_m2 && a.mouth_m == b.mouth_m &&
+         same_numbers(a.rupture, b.rupture) &&
+         same_shape(a.layer_depth_m, b.layer_depth_m) &&
+         same_numbers(flat_span(a.layer_depth_m), flat_span(b.layer_depth_m)) &&
+         same_shape(a.layer_material, b.layer_material) &&
+         a.layer_material == b.layer_material;
+}
+
+std::string describe(const Puncture& puncture) {
+  if (puncture.empty()) {
+    return {};
+  }
+  std::string text = "the first membrane breaks at ";
+  const auto [low, high] = std::ranges::minmax(puncture.rupture);
+  const char* const units = rupture_units(puncture);
+  text += low == high ? fmt::format("{:.3g} {}", low, units)
+                      : fmt::format("{:.3g} to {:.3g} {}", low, high, units);
+  text += fmt::format("; up to {} layers", most_layers(puncture));
+  for (std::size_t m = 0; m < puncture.material.size(); ++m) {
+    text += "; " + describe_material(puncture, m);
+  }
+  return text;
+}
+
+std::string doubts_of(const Puncture& puncture) {
+  std::string doubts;
+  for (std::size_t m = 0; m < puncture.material.size(); ++m) {
+    const std::string& name = puncture.material[m];
+    const double toughness = puncture.toughness_j_per_m2[m];
+    if (toughness > kToughestPuncture) {
+      add_doubt(
+          doubts,
+          fmt::format("the toughness of {} is {:.4g} J/m^2, above {:.0f}: it is "
+                      "likely from tear tests, which give 15 to 27 times too much "
+                      "for a needle",
+                      name, toughness, kToughestPuncture));
+    }
+    const double membrane_n = puncture.membrane_n[m];
+    const double cutting_n = puncture.cutting_n[m];
+    if (membrane_n > 0.0 && membrane_n < cutting_n) {
+      add_doubt(doubts, fmt::format("the membrane of {} bears {:.3g} N, less than its "
+                                    "cutting force {:.3g} N",
+                                    name, membrane_n, cutting_n));
+    }
+  }
+  if (const std::int64_t weak = weak_ruptures(puncture); weak > 0) {
+    add_doubt(doubts, fmt::format("{} ruptures bear less than the cutting force of the "
+                                  "first layer",
+                                  weak));
+  }
+  return doubts;
+}
+
+}  // namespace palpate
