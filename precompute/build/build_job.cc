@@ -10,6 +10,7 @@
 #include "formats/base/sha256.h"
 #include "precompute/build/program_digest.h"
 #include "precompute/material/material_spectrum.h"
+#include "precompute/press/needle_layers.h"
 #include "precompute/press/node_yielding.h"
 
 namespace palpate {
@@ -71,6 +72,7 @@ JobDescription description_of(const Scene& scene, const JobOptions& options,
       .force_max_n = scene.reach.force_max_n,
       .relaxation = uniform_relaxation(scene, job.strategy),
       .yielding = node_yielding(scene, body),
+      .puncture = needle_layers(scene, body),
       .bundles = scene.accuracy.bundles,
       .left_out = cut_out_text(scene),
       .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),

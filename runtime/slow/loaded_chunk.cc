@@ -5,7 +5,6 @@
 #include "formats/database/database_rules.h"
 #include "formats/response/press_inversion.h"
 #include "formats/response/yielding.h"
-#include "runtime/slow/node_puncture.h"
 
 namespace palpate {
 namespace {
@@ -34,9 +33,6 @@ std::shared_ptr<const LoadedChunk> load_chunk(const ChunkReader& reader,
   auto loaded = std::make_shared<LoadedChunk>();
   loaded->body = reader.body(chunk);
   loaded->table = reader.responses(content.tool, chunk);
-  loaded->table.puncture =
-      rows_of(reader.index().tools[content.tool].puncture, loaded->body.node_begin,
-              loaded->body.position_m.rows());
   check_normals(loaded->body.normal, loaded->table, loaded->body.node_begin);
   make_instantaneous(loaded->table);
   make_undamaged(loaded->table);

@@ -35,19 +35,6 @@ PunctureRules puncture_rules(const Puncture& puncture, double force_scale) {
   return rules;
 }
 
-Puncture rows_of(const Puncture& puncture, std::int64_t begin, std::int64_t count) {
-  Puncture part = puncture;
-  if (part.rupture.size() > 1) {
-    part.rupture.assign(puncture.rupture.begin() + begin,
-                        puncture.rupture.begin() + begin + count);
-  }
-  if (part.layer_depth_m.rows() > 1) {
-    part.layer_depth_m = puncture.layer_depth_m.middleRows(begin, count);
-    part.layer_material = puncture.layer_material.middleRows(begin, count);
-  }
-  return part;
-}
-
 NodePuncture node_puncture(const Puncture& puncture, std::int64_t node,
                            double force_scale) {
   NodePuncture below;

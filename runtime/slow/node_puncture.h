@@ -14,10 +14,6 @@ namespace palpate {
 [[nodiscard]] PunctureRules puncture_rules(const Puncture& puncture,
                                            double force_scale);
 
-/// The same of nodes [begin, begin + count) alone, where they have rows of their own.
-[[nodiscard]] Puncture rows_of(const Puncture& puncture, std::int64_t begin,
-                               std::int64_t count);
-
 /// Layers below a node. @param node as the file counts; a row of its own, or the row
 /// of all.
 [[nodiscard]] NodePuncture node_puncture(const Puncture& puncture, std::int64_t node,
