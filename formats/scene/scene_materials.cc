@@ -32,8 +32,8 @@ constexpr std::string_view kMaterialKeys[] = {"region",
                                               "plastic",
                                               "damage",
                                               "puncture"};
-constexpr std::string_view kSharedLawKeys[] = {"region", "law", "relaxation", "plastic",
-                                               "damage"};
+constexpr std::string_view kSharedLawKeys[] = {"region",  "law",    "relaxation",
+                                               "plastic", "damage", "puncture"};
 constexpr std::string_view kIsotropicKeys[] = {"youngs_modulus_pa", "poissons_ratio"};
 constexpr std::string_view kMooneyKeys[] = {"c10_pa", "c01_pa", "poissons_ratio"};
 constexpr std::string_view kOgdenKeys[] = {"mu_pa", "alpha", "poissons_ratio"};
