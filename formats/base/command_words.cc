@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/nearest_name.h"
 #include "formats/base/toml_text.h"
 
 namespace palpate {
@@ -21,9 +22,18 @@ std::string_view name_of(std::string_view word) {
   return word.substr(0, word.find('='));
 }
 
+// "-o", "-ofile" and "-o=file" for "--output".
+bool has_letter(std::string_view word, std::string_view name) {
+  return word.size() > 1 && word[0] == '-' &&
+         std::any_of(std::begin(kLetteredOptions), std::end(kLetteredOptions),
+                     [&](const LetteredOption& option) {
+                       return option.name == name && option.letter == word[1];
+                     });
+}
+
 bool is_given(std::span<const std::string> words, std::string_view name) {
   return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return name_of(word) == name || (name == "--output" && word == "-o");
+    return name_of(word) == name || has_letter(word, name);
   });
 }
 
@@ -50,7 +60,12 @@ void add_options(const toml::table& table, const std::string& file,
     if (name == kConfig) {
       throw InputError(fmt::format("{}: config: presets name no other presets", file));
     }
-    if (value.is_table() || is_given(given, name) || is_given(words, name)) {
+    if (value.is_table()) {
+      throw InputError(fmt::format(
+          "{}: [{}] is a table in a table; options stand in the table of their verb",
+          file, key.str()));
+    }
+    if (is_given(given, name) || is_given(words, name)) {
       continue;
     }
     if (const auto flag = value.value_exact<bool>()) {
@@ -68,14 +83,34 @@ void add_options(const toml::table& table, const std::string& file,
   }
 }
 
+// A table of a verb that no tool has is a slip: its options would be left out.
+void refuse_unknown_table(const toml::table& all, const std::string& file) {
+  const std::vector<std::string_view> known(std::begin(kTablesOfOptions),
+                                            std::end(kTablesOfOptions));
+  for (const auto& [key, value] : all) {
+    if (value.is_table() &&
+        std::find(known.begin(), known.end(), key.str()) == known.end()) {
+      throw InputError(fmt::format(
+          "{}: [{}] is the table of no verb; the nearest is [{}], known are {}", file,
+          key.str(), nearest_name(key.str(), known), fmt::join(known, ", ")));
+    }
+  }
+}
+
 std::vector<std::string> options_of(const std::string& file,
                                     std::span<const std::string> given) {
-  const toml::table all =
+  toml::table all =
       parse_toml(read_file(file, kMostBytes, "a file of options (TOML)"), file);
+  refuse_unknown_table(all, file);
   std::vector<std::string> words;
   if (!given.empty()) {
     if (const toml::table* of_verb = all[given.front()].as_table()) {
       add_options(*of_verb, file, given, words);
+    }
+  }
+  for (const std::string_view table : kTablesOfOptions) {
+    if (all[table].is_table()) {
+      all.erase(table);
     }
   }
   add_options(all, file, given, words);

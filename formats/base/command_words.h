@@ -24,6 +24,23 @@ inline constexpr RenamedOption kRenamedOptions[] = {
     {"--wander", "--wander-mm-per-s"},
 };
 
+/// Verbs of the four tools, as `--config` takes them for names of tables.
+inline constexpr std::string_view kTablesOfOptions[] = {
+    "batch",    "bench",   "body",  "build",    "calibrate", "check",   "curve",
+    "device",   "devices", "diff",  "driver",   "export",    "indent",  "info",
+    "material", "merge",   "pairs", "picture",  "plan",      "probe",   "remesh",
+    "replay",   "report",  "serve", "simulate", "slice",     "spheres", "submit",
+    "surface",  "sweep",   "trade", "view"};
+
+/// Options that have a letter, too: the line's "-n 4" goes before a file's "sets".
+struct LetteredOption {
+  std::string_view name;
+  char letter;
+};
+
+inline constexpr LetteredOption kLetteredOptions[] = {{"--output", 'o'},
+                                                      {"--sets", 'n'}};
+
 struct CommandWords {
   std::vector<std::string> word;  ///< after the program's name
   std::vector<std::string> note;  ///< what to say on stderr, one line each
@@ -35,6 +52,7 @@ struct CommandWords {
 /// gives a flag, one with false leaves the flag out, an array gives several values.
 /// What the line gives itself goes before the file.
 /// @throws InputError naming the file, and the key that is no option's value.
+/// InputError too for a table that is none of kTablesOfOptions.
 [[nodiscard]] CommandWords command_words(std::span<const std::string> given);
 
 }  // namespace palpate

@@ -57,6 +57,29 @@ TEST_F(CommandWordsTest, TheVerbsOwnTableGoesBeforeTheOthers) {
             (Words{"simulate", "a.h5", "--seconds=5"}));
 }
 
+TEST_F(CommandWordsTest, ALetterOfTheLineGoesBeforeTheFile) {
+  EXPECT_EQ(with("sets = 9\n[pairs]\nsets = 8\n", {"pairs", "-n", "4"}),
+            (Words{"pairs", "-n", "4"}));
+  EXPECT_EQ(with("sets = 9\n", {"pairs", "-n4"}), (Words{"pairs", "-n4"}));
+  EXPECT_EQ(with("output = \"c.h5\"\n", {"build", "-ob.h5"}),
+            (Words{"build", "-ob.h5"}));
+  EXPECT_EQ(with("sets = 9\n", {"pairs", "-o", "n"}),
+            (Words{"pairs", "-o", "n", "--sets=9"}));
+}
+
+TEST_F(CommandWordsTest, ATableOfNoVerbIsRefusedWithTheNearest) {
+  try {
+    with("[bulid]\nthreads = 2\n", {"build"});
+    ADD_FAILURE() << "[bulid] passed";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("presets.toml: [bulid]"), std::string::npos) << text;
+    EXPECT_NE(text.find("nearest is [build]"), std::string::npos) << text;
+    EXPECT_NE(text.find("simulate"), std::string::npos) << text;
+  }
+  EXPECT_THROW(with("[build.again]\nthreads = 2\n", {"build"}), InputError);
+}
+
 TEST_F(CommandWordsTest, AnArrayGivesSeveralValues) {
   EXPECT_EQ(with("at = [0.1, 0.0, -0.2]\n", {"simulate"}),
             (Words{"simulate", "--at", "0.1", "0", "-0.2"}));

@@ -1,5 +1,7 @@
 #include "formats/front/verbs.h"
 
+#include <iterator>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -46,6 +48,38 @@ TEST(Verbs, AreTheToolsOwnAndNoneIsMissing) {
       EXPECT_TRUE(told) << name;
     }
   }
+}
+
+TEST(Verbs, AreTheTablesOfOptionsAndNoOthers) {
+  std::set<std::string> of_tools;
+  for (const std::string tool :
+       {"palpate-precompute", "palpate-fit", "palpate-db", "palpate-run"}) {
+    of_tools.merge(commands_of(tool));
+  }
+  EXPECT_EQ(
+      std::set<std::string>(std::begin(kTablesOfOptions), std::end(kTablesOfOptions)),
+      of_tools);
+}
+
+// Every "-x,--name" of the helps is one of kLetteredOptions.
+TEST(Verbs, HaveNoLettersThatPresetsDoNotKnow) {
+  std::set<std::string> of_tools;
+  const std::regex lettered("-([a-gi-z]),\\s*(--[a-z-]+)");
+  for (const std::string tool :
+       {"palpate-precompute", "palpate-fit", "palpate-db", "palpate-run"}) {
+    for (const std::string& command : commands_of(tool)) {
+      const std::string help = run_tool_process(tool, {command, "--help"}).out;
+      for (std::sregex_iterator at(help.begin(), help.end(), lettered), end; at != end;
+           ++at) {
+        of_tools.insert((*at)[2].str() + " " + (*at)[1].str());
+      }
+    }
+  }
+  std::set<std::string> known;
+  for (const LetteredOption& option : kLetteredOptions) {
+    known.insert(std::string(option.name) + " " + option.letter);
+  }
+  EXPECT_EQ(known, of_tools);
 }
 
 TEST(Verbs, TakeOptionsByTheirNewNamesAlone) {
