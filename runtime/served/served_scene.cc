@@ -33,6 +33,9 @@ void check_rendered(const JobDescription& plan, std::int32_t tool) {
   if (!plan.relaxation.empty() || yields) {
     refuse("the body relaxes or yields");
   }
+  if (i < plan.puncture.size() && !plan.puncture[i].empty()) {
+    refuse(fmt::format("tool \"{}\" is a needle", plan.tool[i].name));
+  }
 }
 
 bool same_body(const JobDescription& a, const JobDescription& b, std::int32_t tool) {
