@@ -128,11 +128,13 @@ void add_material(const SceneMaterial& material, const SceneNeedle& needle,
 std::int32_t row_of_region(const Scene& scene, const SceneNeedle& needle,
                            std::int32_t region, Puncture& all) {
   const SceneMaterial& material = material_of(scene, region);
-  const auto at = std::find(all.material.begin(), all.material.end(), material.region);
-  if (at == all.material.end()) {
+  const auto row = static_cast<std::int32_t>(
+      std::find(all.material.begin(), all.material.end(), material.region) -
+      all.material.begin());
+  if (row == std::ssize(all.material)) {
     add_material(material, needle, all);
   }
-  return static_cast<std::int32_t>(at - all.material.begin());
+  return row;
 }
 
 // What breaks a node's first membrane: a force, or an energy.
