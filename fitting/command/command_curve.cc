@@ -20,6 +20,7 @@
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
+#include "formats/base/named_message.h"
 
 namespace palpate {
 namespace {
@@ -62,9 +63,9 @@ void compute_curve(const CurveOptions& options, const Indenter& indenter,
           press_of(options.machine, *result.read.timed), result.press.approach);
     }
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
+    throw InputError(with_name(options.file.file, error.what()));
   } catch (const NumericalError& error) {
-    throw NumericalError(fmt::format("{}: {}", options.file.file, error.what()));
+    throw NumericalError(with_name(options.file.file, error.what()));
   }
 }
 

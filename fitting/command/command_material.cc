@@ -15,6 +15,7 @@
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
+#include "formats/base/named_message.h"
 
 namespace palpate {
 namespace {
@@ -88,7 +89,8 @@ MaterialResult compute_material(const MaterialOptions& options) {
           curve_of(sweep, body, session, run, frame ? &frame->frame : nullptr));
       result.run.push_back(run.name);
     } catch (const Error& error) {
-      result.left_out.push_back({run.name, error.what()});
+      result.left_out.push_back(
+          {run.name, std::string(without_name(error.what(), run.name))});
     }
   }
   if (curves.empty()) {

@@ -5,6 +5,7 @@
 #include "fitting/curve/press_cycles.h"
 #include "fitting/curve/split_presses.h"
 #include "formats/base/error.h"
+#include "formats/base/named_message.h"
 
 namespace palpate {
 
@@ -50,7 +51,7 @@ std::optional<FrameRun> frame_of(
   try {
     return frame_of_run(samples);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", options.frame_run, error.what()));
+    throw InputError(with_name(options.frame_run, error.what()));
   }
 }
 

@@ -16,6 +16,7 @@
 #include "fitting/session/session_machine.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
+#include "formats/base/named_message.h"
 #include "formats/base/stopwatch.h"
 
 namespace palpate {
@@ -106,7 +107,7 @@ void fit_or_say(const Session& session, const Measurement& samples,
       fit(session, samples, frame, result);
       return;
     } catch (...) {
-      result.bad = fmt::format("{}: {}", result.run_name, thrown());
+      result.bad = with_name(result.run_name, thrown());
     }
   }
   result.rating = Rating{};

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "fitting/session/session_runs.h"
+#include "formats/base/named_message.h"
 #include "formats/base/units.h"
 #include "formats/measurement/column_name.h"
 #include "formats/measurement/delimited_text.h"
@@ -99,7 +100,7 @@ void read_registration(const SceneSection& section, Session& session) {
   try {
     session.registration = register_rigidly(std::move(pairs));
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file, error.what()));
+    throw InputError(with_name(file, error.what()));
   }
   for (SessionRun& run : session.run) {
     if (run.position_m) {
@@ -133,7 +134,7 @@ std::optional<FrameRun> session_frame(const Session& session) {
     try {
       return frame_of_run(file.samples);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", run.name, error.what()));
+      throw InputError(with_name(run.name, error.what()));
     }
   }
   if (machine.frame_stiffness_n_per_m > 0.0) {

@@ -9,6 +9,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/named_message.h"
 #include "formats/measurement/delimited_text.h"
 
 namespace palpate {
@@ -220,7 +221,7 @@ ResponseSweep read_sweep(const std::filesystem::path& file) {
   try {
     check(sweep);
   } catch (const InputError& error) {
-    throw FormatError(fmt::format("{}: {}", file.string(), error.what()));
+    throw FormatError(with_name(file.string(), error.what()));
   }
   return sweep;
 }
