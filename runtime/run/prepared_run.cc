@@ -145,7 +145,8 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
   const SimulationOptions& o = report.options;
   const PressedTogether& together = *body.together;
   report.contacts = body.contacts;
-  report.second_node = together.second_node;
+  report.second_place = together.second_place;
+  report.second_node = together.second_place.node;
   report.table_error = together.table_error;
   report.convex = together.convex;
   report.turning_n_m_per_rad = together.turning_n_m_per_rad;
@@ -257,7 +258,8 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
   report.options = options;
   report.tool = body.tool.name;
   report.tables = body.tables.empty() ? std::vector{body.tool.name} : body.tables;
-  report.node = body.node;
+  report.place = body.place;
+  report.node = body.place.node;
   report.options.device.tick_s = 1.0 / wanted.fast_hz;  // whatever poses' rate is
   report.options.device.force_max_n = options.force_max_n;
   HandSeat seat = seat_of(report.options, options.socket, options.attached);

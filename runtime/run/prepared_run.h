@@ -27,7 +27,7 @@ using MakeScript = std::function<HandScript(double force_scale, double hand_n_pe
 /// Of several contacts, what one contact does not have.
 struct PressedTogether {
   MakeScript second_script;  // of the second hand; null: there is one
-  std::int32_t second_node = -1;
+  PressedPlace second_place = {};
   double table_error = 0.0;
   bool convex = true;
   double turning_n_m_per_rad = 0.0;
@@ -35,7 +35,7 @@ struct PressedTogether {
 
 /// Where a hand presses, and how.
 struct PlaceToPress {
-  std::int32_t node = -1;
+  PressedPlace place;
   MakeScript script;  ///< needs the source
 };
 
@@ -48,7 +48,7 @@ struct PlaceToPress {
 /// What a run presses, wherever its responses lie.
 struct PressedBody {
   ToolShape tool;
-  std::int32_t node = -1;
+  PressedPlace place;
   RenderedStiffness stiffness;
   int contacts = 1;
   std::vector<std::string> tables = {};  // of responses; none: the tool's own

@@ -27,7 +27,7 @@ PressedBody pressed_body(const ResponseSource& source, const SimulationOptions& 
   PlaceToPress place = place_on(source, tool.name, options.at_m, options.force_max_n);
   PressedBody pressed{
       .tool = tool,
-      .node = place.node,
+      .place = place.place,
       .stiffness = {},
       .script = std::move(place.script),
       .stream = [&source, &tool, &handed_out](
@@ -90,7 +90,8 @@ PlaceToPress place_on(const ResponseSource& source, const std::string& tool,
   if (const ResponseDatabase* database = source.database()) {
     const ResponseTable& table = find_tool(*database, tool);
     const std::int32_t node = node_to_press(*database, table, at_m);
-    return {node, [=, &table](double scale, double hand_n_per_m) {
+    return {pressed_place(database->body, node, node, at_m),
+            [=, &table](double scale, double hand_n_per_m) {
               return script_at(*database, table, node, force_max_n, scale,
                                hand_n_per_m);
             }};
@@ -98,7 +99,8 @@ PlaceToPress place_on(const ResponseSource& source, const std::string& tool,
   const ChunkReader& reader = *source.reader();
   const auto place = std::make_shared<const StreamedPlace>(
       streamed_place(reader, find_tool(reader.index(), tool), at_m));
-  return {place->source_node, [=](double scale, double hand_n_per_m) {
+  return {pressed_place(place->around.body, place->row, place->source_node, at_m),
+          [=](double scale, double hand_n_per_m) {
             return script_at(place->around, place->around.tools[0], place->row,
                              force_max_n, scale, hand_n_per_m);
           }};

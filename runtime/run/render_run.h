@@ -19,6 +19,7 @@
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
 #include "runtime/run/coupling_report.h"
+#include "runtime/run/pressed_place.h"
 #include "runtime/served/served_report.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
@@ -92,6 +93,8 @@ struct SimulationReport {
   std::string device_failure;        ///< why it was lost; empty if it was not
   std::int32_t node = -1;            ///< pressed
   std::int32_t second_node = -1;     ///< by the second hand
+  PressedPlace place;                ///< that node, and the place asked for
+  PressedPlace second_place;         ///< likewise
   int contacts = 1;                  ///< of the tools
   double table_error = 0.0;          ///< [-] of what couples them; 0: not stated
   bool convex = true;                ///< one equilibrium wherever it was tried

@@ -101,6 +101,19 @@ nlohmann::json energy_json(const RenderReport& r) {
           {"memory_max_j", r.memory_max_j}};
 }
 
+// The node that a hand presses; null: there is no such hand.
+nlohmann::json as_json(const PressedPlace& place) {
+  if (place.node < 0) {
+    return {};
+  }
+  const Eigen::Vector3d& p = place.position_m;
+  return {{"node", place.node},
+          {"position_m", {p.x(), p.y(), p.z()}},
+          {"edge_m", place.edge_m},
+          {"off_m", place.off_m ? nlohmann::json(*place.off_m) : nlohmann::json()},
+          {"note", far_note(place)}};
+}
+
 // What tools of several contacts have beside what one has.
 nlohmann::json contacts_json(const SimulationReport& report) {
   const RenderReport& r = report.render;
@@ -108,6 +121,7 @@ nlohmann::json contacts_json(const SimulationReport& report) {
   return {{"contacts", report.contacts},
           {"second_tool", together ? nlohmann::json(together->tool) : nlohmann::json()},
           {"second_node", report.second_node},
+          {"second_place", as_json(report.second_place)},
           {"contacts_max", r.contacts_max},
           {"scaled_ticks", r.scaled_ticks},
           {"torque_max_n_m", r.torque_max_n_m},
@@ -125,6 +139,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"tool", report.tool},
       {"coupling", report.coupling ? as_json(*report.coupling) : nlohmann::json()},
       {"node", report.node},
+      {"place", as_json(report.place)},
       {"fast_hz", report.options.fast_hz},
       {"slow_hz", report.options.slow_hz},
       {"real_time", report.options.real_time},

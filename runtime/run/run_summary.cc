@@ -241,6 +241,20 @@ std::string contact_lines(const SimulationReport& report) {
                                         report.turning_n_m_per_rad, r.scaled_ticks));
 }
 
+std::string place_lines(const SimulationReport& report) {
+  std::string text;
+  for (const PressedPlace* place : {&report.place, &report.second_place}) {
+    if (place->node < 0) {
+      continue;
+    }
+    text += line("pressed", describe(*place));
+    if (const std::string note = far_note(*place); !note.empty()) {
+      text += line("note", note);
+    }
+  }
+  return text;
+}
+
 std::string trouble_lines(const SimulationReport& report) {
   std::string text;
   if (!report.render.slow_failure.empty()) {
@@ -288,6 +302,7 @@ std::string summary(const SimulationReport& report) {
                                            ? std::string()
                                            : fmt::format(" and {}", report.second_node),
                                        percent(r.contact_ticks, r.ticks)));
+  text += place_lines(report);
   text += line("peak", fmt::format("depth {:.4g} mm, force {:.4g} N{}",
                                    r.depth_max_m * 1e3, r.force_max_n,
                                    r.extrapolated_ticks == 0

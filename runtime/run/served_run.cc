@@ -51,7 +51,7 @@ PressedBody pressed_scene(const ServedScene& scene, const ResponseDatabase& body
   const double depth_m = scene.plan.depth_max_m;
   const ToolShape& tool = body.tools.front().tool;
   PressedBody pressed{.tool = tool,
-                      .node = node,
+                      .place = pressed_place(body.body, node, node, options.at_m),
                       .stiffness = {},
                       .script =
                           [&body, &tool, node, depth_m](double, double) {

@@ -115,7 +115,7 @@ PressedBody pressed_by_several(const ResponseSource& source, PressedBody pressed
     names.push_back(tools[1].shape.name);
     const PlaceToPress second =
         place_on(source, names[1], options.together->at_m, options.force_max_n);
-    pressed.together->second_node = second.node;
+    pressed.together->second_place = second.place;
     pressed.together->second_script =
         script_of(second.script, tools[1].shape, is_simulated(options, 1));
   }
