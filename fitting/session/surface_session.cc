@@ -52,7 +52,8 @@ nlohmann::ordered_json rendered_json(const SurfaceFitReport& report) {
 nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                                const std::vector<std::string>& notes) {
   const FieldParameters& p = report.parameters.parameters;
-  nlohmann::ordered_json json{{"probes", report.probes},
+  nlohmann::ordered_json json{{"runs", report.runs},
+                              {"probes", report.probes},
                               {"places", report.places},
                               {"laws", report.laws},
                               {"length_m", p.length_m},
@@ -128,6 +129,7 @@ SurfaceFit fit_session_surface(const Session& session,
   SurfaceFit fit = fit_surface(body, *session.tool, probes, {.patches = true});
   fit.report.left_out.insert(fit.report.left_out.begin(), left_out.begin(),
                              left_out.end());
+  fit.report.runs = session.run.size();
   Provenance& provenance = fit.database.provenance;
   provenance.writer = "palpate-fit " PALPATE_VERSION;
   provenance.source_file = session.file.filename().string();
