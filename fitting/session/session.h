@@ -70,6 +70,7 @@ struct Session {
   std::optional<ToolShape> tool;
   std::filesystem::path mesh;  ///< the body's surface; empty where none is named
   std::string length_unit;     ///< of the mesh
+  std::string points_unit;     ///< of the table of points; empty: none was read
   SessionFit fit;
   SessionMachine machine;
   /// From the machine's frame to the mesh's: positions and normals are moved already.

@@ -9,6 +9,7 @@
 #include "fitting/curve/split_presses.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
+#include "formats/base/named_message.h"
 #include "formats/mesh/surface_reader.h"
 
 namespace palpate {
@@ -129,20 +130,20 @@ std::vector<SurfaceProbe> session_probes(const Session& session,
     try {
       probes.push_back(probe_of(session, run, frame ? &frame->frame : nullptr, counts));
     } catch (const Error& error) {
-      left_out.push_back({run.name, error.what()});
+      left_out.push_back({run.name, std::string(without_name(error.what(), run.name))});
     }
   }
   tell(frame, counts, notes);
   return probes;
 }
 
-SurfaceMesh session_body(const Session& session) {
+SurfaceMesh session_body(const Session& session, std::vector<std::string>* notes) {
   if (session.mesh.empty()) {
     throw InputError(fmt::format(
         "{}: has no [body] with mesh and length_unit, which positions refer to",
         session.file.string()));
   }
-  SurfaceMesh body = read_surface(session.mesh, session.length_unit);
+  SurfaceMesh body = read_surface(session.mesh, session.length_unit, notes);
   const bool closed = triangle_neighbours(body.triangle).minCoeff() >= 0;
   if (closed && enclosed_volume_m3(body) < 0.0) {
     body.triangle.col(1).swap(body.triangle.col(2));

@@ -36,7 +36,9 @@ namespace palpate {
 constexpr double kAdhesionShareMax = 0.1;  ///< [-] of the largest force
 
 /// The surface that the session names; turned if it is closed and inside out.
+/// @param notes gains lines as read_surface() has them.
 /// @throws InputError if it names none, and as read_surface() does.
-[[nodiscard]] SurfaceMesh session_body(const Session& session);
+[[nodiscard]] SurfaceMesh session_body(const Session& session,
+                                       std::vector<std::string>* notes = nullptr);
 
 }  // namespace palpate

@@ -345,7 +345,8 @@ void read_points(const SceneSection& section, Session& session) {
     place_by_map(path.string(), lines, session);
     return;
   }
-  const double metres = metres_per(section.text("length_unit"));
+  session.points_unit = section.text("length_unit");
+  const double metres = metres_per(session.points_unit);
   const PointTable table = find_columns(path.string(), lines.front());
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const std::string file = cell(table, lines[i], "file");

@@ -1,8 +1,11 @@
 #include "fitting/session/surface_session.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "fitting/session/session_probes.h"
+#include "fitting/session/session_units.h"
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
 
@@ -49,7 +52,8 @@ nlohmann::ordered_json rendered_json(const SurfaceFitReport& report) {
 nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                                const std::vector<std::string>& notes) {
   const FieldParameters& p = report.parameters.parameters;
-  nlohmann::ordered_json json{{"probes", report.probes},
+  nlohmann::ordered_json json{{"runs", report.runs},
+                              {"probes", report.probes},
                               {"places", report.places},
                               {"laws", report.laws},
                               {"length_m", p.length_m},
@@ -103,8 +107,11 @@ SurfaceFit fit_session_surface(const Session& session,
         "flat-punch or cone",
         session.file.string(), session.indenter.shape));
   }
-  const SurfaceMesh body = session_body(session);
+  const SurfaceMesh body = session_body(session, &notes);
   std::vector<LeftOutProbe> left_out;
+  for (const std::string& note : unit_notes(session, body)) {
+    notes.push_back(note);
+  }
   const std::vector<SurfaceProbe> probes = session_probes(session, left_out, notes);
   if (probes.size() < kProbesMin && !left_out.empty()) {
     throw InputError(fmt::format(
@@ -112,9 +119,17 @@ SurfaceFit fit_session_surface(const Session& session,
         session.file.string(), probes.size(), kProbesMin, left_out[0].name,
         left_out[0].reason));
   }
+  double deepest_m = 0.0;
+  for (const SurfaceProbe& probe : probes) {
+    deepest_m = std::max(deepest_m, depth_max_m(probe));
+  }
+  for (const std::string& note : depth_notes(session, body, deepest_m)) {
+    notes.push_back(note);
+  }
   SurfaceFit fit = fit_surface(body, *session.tool, probes, {.patches = true});
   fit.report.left_out.insert(fit.report.left_out.begin(), left_out.begin(),
                              left_out.end());
+  fit.report.runs = session.run.size();
   Provenance& provenance = fit.database.provenance;
   provenance.writer = "palpate-fit " PALPATE_VERSION;
   provenance.source_file = session.file.filename().string();

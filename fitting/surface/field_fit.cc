@@ -218,6 +218,39 @@ void list_bad(const ScreenedField& screened, const Eigen::VectorXd& depth_m,
   }
 }
 
+// Which places say something at a depth or more.
+FieldData said_anywhere(const std::vector<FieldData>& data) {
+  FieldData any = data.front();
+  for (const FieldData& set : data) {
+    for (std::size_t i = 0; i < any.used.size(); ++i) {
+      any.used[i] = any.used[i] != 0 || set.used[i] != 0 ? 1 : 0;
+    }
+  }
+  return any;
+}
+
+// Presses of places that say nothing at any depth, and are not bad.
+void list_silent(const ScreenedField& screened, const FieldData& any,
+                 const Eigen::VectorXd& depth_m, const Presses& presses,
+                 std::vector<LeftOutProbe>& left_out) {
+  std::vector<char> told(any.used);
+  for (const BadProbe& bad : screened.bad) {
+    told[bad.point] = 1;
+  }
+  const std::vector<std::size_t>& far = presses.joined.left_out;
+  for (std::size_t p = 0; p < told.size(); ++p) {
+    for (const std::size_t i : presses.place[p]) {
+      if (told[p] == 0 && std::find(far.begin(), far.end(), i) == far.end()) {
+        left_out.push_back(
+            {presses.probe[i]->name,
+             fmt::format("its force is not known at any depth of the others, {:.3g} to "
+                         "{:.3g} m",
+                         depth_m[0], depth_m[kCommonDepths - 1])});
+      }
+    }
+  }
+}
+
 // Marks each node that has a probe behind the field.
 std::vector<char> nodes_with_probe(const FieldModel& model, const FieldData& set) {
   std::vector<char> marks(static_cast<std::size_t>(model.mesh().position_m.rows()), 0);
@@ -319,10 +352,12 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   if (options.patches) {
     report.patches = left_out_patches(model, two, parameters);
   }
-  const FieldData& shallow = data.front();  // every probe in use says something there
-  const auto behind = presses.behind(shallow.used);
+  const FieldData any = said_anywhere(data);
+  list_silent(screened, any, depth_m, presses, report.left_out);
+  const auto behind = presses.behind(any.used);
+  report.runs = probes.size();
   report.probes = behind.size();
-  report.places = used_points(model, shallow).size();
+  report.places = used_points(model, any).size();
   report.repeatability = presses.joined.repeatability.back();
   for (const SurfaceProbe* probe : behind) {
     ++report.laws[law_of(*probe)];
@@ -330,11 +365,11 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   const auto probable = probable_parameters(model, screened.data, screened.parameters);
   SurfaceFields fields =
       fields_of(model, probable, data, presses.joined.repeatability, depth_m, report);
-  mark_nodes(model, shallow, parameters.length_m, fields);
+  mark_nodes(model, any, parameters.length_m, fields);
   report.far_nodes = static_cast<std::size_t>(
       std::count(fields.far.begin(), fields.far.end(), char{1}));
   const Points direction =
-      node_directions(body, turned(model, shallow, places), 0.5 * parameters.length_m);
+      node_directions(body, turned(model, any, places), 0.5 * parameters.length_m);
   result.database = surface_database(body, tool, direction, fields);
   report.straightened = straightened(fields);
   report.error_median = median(result.database.tools.front().error_relative);
@@ -343,54 +378,6 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   report.relaxation = common_relaxation(behind);
   report.viscoelasticity = result.database.tools.front().viscoelasticity;
   return result;
-}
-
-std::string describe(const SurfaceFitReport& report) {
-  const FieldParameters& p = report.parameters.parameters;
-  std::string text = fmt::format(
-      "{} probes at {} places behind the field, {} left out; farthest from the surface "
-      "{:.3g} mm\n"
-      "length {:.3g} mm, sd {:.3g}, nugget {:.3g} of log force, smoothness {} ({} "
-      "likelihoods, {:.2g} s)\n",
-      report.probes, report.places, report.left_out.size(),
-      1e3 * report.attachment_max_m, 1e3 * p.length_m, p.sd, p.nugget_sd, p.smoothness,
-      report.parameters.evaluations, report.parameters.seconds);
-  text += std::isnan(report.repeatability)
-              ? "nugget: repeatability and roughness, which no repeats tell apart; not "
-                "in the nodes' errors\n"
-              : fmt::format(
-                    "nugget: roughness, in the nodes' errors; presses at one "
-                    "place repeat to {:.3g} of log force\n",
-                    report.repeatability);
-  for (const auto& [law, probes] : report.laws) {
-    text += fmt::format("law {}: {} probes\n", law, probes);
-  }
-  for (const std::string& bound : report.parameters.at_bound) {
-    text += fmt::format("parameter at bound: {}\n", bound);
-  }
-  text += fmt::format("{:>12} {:>8} {:>12} {:>10} {:>14}\n", "depth [mm]", "probes",
-                      "one-out rms", "coverage", "nearest's rms");
-  for (const DepthScore& d : report.depth) {
-    text += fmt::format("{:12.4f} {:8} {:12.4f} {:10.3f} {:14.4f}\n", 1e3 * d.depth_m,
-                        d.probes, d.rms, d.coverage, d.nearest_rms);
-  }
-  if (report.patches.patches > 0) {
-    text += fmt::format(
-        "{} patches left out and everything fitted without them: {} places predicted, "
-        "rms {:.4f}, coverage {:.3f}\n",
-        report.patches.patches, report.patches.points, report.patches.rms,
-        report.patches.coverage);
-  }
-  text += fmt::format(
-      "median error of the nodes {:.3g}; {} nodes farther than {} lengths from every "
-      "probe; {} nodes whose force would have fallen with depth\n",
-      report.error_median, report.far_nodes, kFarLengths, report.straightened);
-  text += relaxation_text(report.relaxation, report.viscoelasticity,
-                          report.relaxation_field);
-  for (const LeftOutProbe& probe : report.left_out) {
-    text += fmt::format("left out {}: {}\n", probe.name, probe.reason);
-  }
-  return text;
 }
 
 }  // namespace palpate

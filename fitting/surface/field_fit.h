@@ -43,7 +43,8 @@ struct SurfaceFitReport {
   FieldParametersReport parameters;
   std::vector<DepthScore> depth;  ///< of all but the first two
   std::vector<LeftOutProbe> left_out;
-  PatchScore patches;  ///< at a quarter and at all of the depth; none without options
+  PatchScore patches;    ///< at a quarter and at all of the depth; none without options
+  std::size_t runs = 0;  ///< all: behind the field, or in left_out
   std::size_t probes = 0;  ///< behind the field
   std::size_t places = 0;  ///< where they are
   /// [-] of log force at the full depth, between presses at one place. NaN where

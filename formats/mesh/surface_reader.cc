@@ -11,6 +11,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/named_message.h"
 #include "formats/base/units.h"
 #include "formats/mesh/stl_reader.h"
 #include "formats/mesh/triangulate_polygon.h"
@@ -20,6 +21,9 @@ namespace {
 
 constexpr double kExtentMin = 1e-7;  // [m]
 constexpr double kExtentMax = 1e3;   // [m]
+// Bodies that a hand presses: others are told, for the unit may have slipped.
+constexpr double kUsualExtentMin = 1e-4;  // [m]
+constexpr double kUsualExtentMax = 10.0;  // [m]
 
 std::string extension_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -98,13 +102,21 @@ SurfaceMesh to_mesh(const PolygonSoup& soup, const std::string& name, double met
 }
 
 void check_extent(const SurfaceMesh& mesh, const std::string& name,
-                  std::string_view unit) {
+                  std::string_view unit, std::vector<std::string>* notes) {
   const double extent_m = bounding_box(mesh).sizes().maxCoeff();
   if (!(extent_m >= kExtentMin && extent_m <= kExtentMax)) {
     throw InputError(
         fmt::format("{}: the body is {:.3g} m long with coordinates in {}, allowed are "
                     "{:g} to {:g} m",
                     name, extent_m, unit, kExtentMin, kExtentMax));
+  }
+  const bool usual = extent_m >= kUsualExtentMin && extent_m <= kUsualExtentMax;
+  if (notes != nullptr && !usual) {
+    notes->push_back(fmt::format(
+        "{}: the body is {:.3g} m long with coordinates in {}, where {:g} to {:g} m is "
+        "usual: is the length unit right (--length-unit, or length_unit)?",
+        std::filesystem::path(name).filename().string(), extent_m, unit,
+        kUsualExtentMin, kUsualExtentMax));
   }
 }
 
@@ -124,7 +136,7 @@ SurfaceMesh read_surface(const std::filesystem::path& file,
   try {
     soup = read_polygon_soup(content, extension);
   } catch (const FormatError& error) {
-    throw FormatError(fmt::format("{}: {}", name, error.what()));
+    throw FormatError(with_name(name, error.what()));
   }
   if (soup.point.empty() || soup.face.empty()) {
     throw InputError(fmt::format("{}: {} vertices and {} faces, need some of both",
@@ -138,7 +150,7 @@ SurfaceMesh read_surface(const std::filesystem::path& file,
   check_points(soup, name);
   check_faces(soup, name);
   SurfaceMesh mesh = to_mesh(soup, name, metres);
-  check_extent(mesh, name, length_unit);
+  check_extent(mesh, name, length_unit, notes);
   return mesh;
 }
 

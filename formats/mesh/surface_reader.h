@@ -23,6 +23,7 @@ namespace palpate {
 /// more than three corners are cut into triangles without new vertices.
 ///
 /// @param notes gains a line for what was passed over or welded, with the file's name.
+///   It gains a line too for an extent outside [1e-4, 10] m.
 /// @throws InputError if the file is missing, empty or of an unknown extension. So too
 ///   for a coordinate that is not finite, or a face with an index out of range. So too
 ///   for an extent outside [1e-7, 1e3] m (a slip of the unit).

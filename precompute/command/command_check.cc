@@ -47,20 +47,22 @@ nlohmann::json to_json(const Eigen::Vector3d& v) {
 }
 
 nlohmann::json to_json(const SurfaceReport& report) {
-  nlohmann::json json{{"accepted", report.accepted()},
-                      {"verdict", report.verdict()},
-                      {"vertices", report.vertices},
-                      {"triangles", report.triangles},
-                      {"components", report.components},
-                      {"components_turned", report.components_turned},
-                      {"closed", report.closed()},
-                      {"area_m2", report.area_m2},
-                      {"volume_m3", report.volume_m3},
-                      {"lowest_m", to_json(report.lowest_m)},
-                      {"extent_m", to_json(report.extent_m)},
-                      {"edge_mean_m", report.edge_mean_m},
-                      {"smallest_angle_rad", report.smallest_angle_rad},
-                      {"notes", quality_notes(report)}};
+  nlohmann::json json{
+      {"accepted", report.accepted()},
+      {"verdict", report.verdict()},
+      {"vertices", report.vertices},
+      {"triangles", report.triangles},
+      {"components", report.components},
+      {"components_turned", report.components_turned},
+      {"closed", report.closed()},
+      {"area_m2", report.area_m2},
+      {"volume_m3",
+       report.has_volume() ? nlohmann::json(report.volume_m3) : nlohmann::json()},
+      {"lowest_m", to_json(report.lowest_m)},
+      {"extent_m", to_json(report.extent_m)},
+      {"edge_mean_m", report.edge_mean_m},
+      {"smallest_angle_rad", report.smallest_angle_rad},
+      {"notes", quality_notes(report)}};
   for (const SurfacePart& part : report.part) {
     json["parts"].push_back({{"triangles", part.triangle.size()},
                              {"closed", part.closed},
@@ -90,6 +92,11 @@ const char* kind_of(const SurfacePart& part) {
     return ": a cavity";
   }
   return part.around > 0 ? ": in a cavity" : "";
+}
+
+// Of an open surface, or of triangles turned against each other, there is none.
+std::string volume_text(const SurfaceReport& report) {
+  return report.has_volume() ? fmt::format("{:.6g}", report.volume_m3) : "unknown";
 }
 
 // The largest first, as far as a screen goes.
@@ -129,7 +136,7 @@ void print_table(const SurfaceReport& report) {
   fmt::print("  size [m]              {:.6g} x {:.6g} x {:.6g}\n", size_m.x(),
              size_m.y(), size_m.z());
   fmt::print("  area [m^2]            {:.6g}\n", report.area_m2);
-  fmt::print("  volume [m^3]          {:.6g}\n", report.volume_m3);
+  fmt::print("  volume [m^3]          {}\n", volume_text(report));
   fmt::print("  mean edge [m]         {:.4g}\n", report.edge_mean_m);
   fmt::print("  smallest angle        {:.2f} deg\n",
              degrees(report.smallest_angle_rad));
@@ -150,7 +157,10 @@ nlohmann::json to_json(const RepairReport& report) {
   }
   json["original_vertex"] = report.original_vertex;
   json["displaced_m"] = report.displaced_m;
-  json["volume_relative"] = report.volume_relative;
+  json["volume_relative"] = nullptr;
+  if (std::isfinite(report.volume_relative)) {
+    json["volume_relative"] = report.volume_relative;
+  }
   json["refusal"] = report.refusal;
   return json;
 }
@@ -167,8 +177,7 @@ void print_repair(const RepairReport& report) {
   row("vertices", report.before.vertices, report.after.vertices);
   row("triangles", report.before.triangles, report.after.triangles);
   row("parts", report.before.components, report.after.components);
-  row("volume [m^3]", fmt::format("{:.5g}", report.before.volume_m3),
-      fmt::format("{:.5g}", report.after.volume_m3));
+  row("volume [m^3]", volume_text(report.before), volume_text(report.after));
   for (const DefectKind& kind : defect_kinds()) {
     row(kind.key, (report.before.*kind.defect).count,
         (report.after.*kind.defect).count);
@@ -180,7 +189,7 @@ void print_repair(const RepairReport& report) {
   fmt::print("  vertices kept         {}, new {}\n", kept,
              std::ssize(report.original_vertex) - kept);
   fmt::print("  moved by              {:.3g} m at most", report.displaced_m);
-  if (std::abs(report.volume_relative) <= 1.0) {  // else there was none before
+  if (std::isfinite(report.volume_relative)) {
     fmt::print(", volume {:+.2f} %", 100.0 * report.volume_relative);
   }
   fmt::print("\n");

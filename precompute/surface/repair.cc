@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -124,11 +125,6 @@ SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh, double /*parameter*/) {
   return result;
 }
 
-bool had_volume(const SurfaceReport& before) {
-  return before.closed() && before.flipped_edges.count == 0 &&
-         before.non_manifold_edges.count == 0 && before.nested_components.count == 0;
-}
-
 // Why a safe repair is not to be trusted; empty if it is.
 // @param clean a file may list each triangle alone, or twice: what is there once.
 std::string doubts(const SurfaceMesh& clean, const RepairReport& report) {
@@ -144,7 +140,7 @@ std::string doubts(const SurfaceMesh& clean, const RepairReport& report) {
     return fmt::format("the surface moved by {:.3g} m, at most {:.3g} m is safe",
                        report.displaced_m, displaced_max_m);
   }
-  if (had_volume(before)) {
+  if (before.has_volume()) {
     if (!(std::abs(report.volume_relative) <= kVolumeChange)) {
       return fmt::format("the volume changed from {:.4g} to {:.4g} m^3",
                          before.volume_m3, after.volume_m3);
@@ -180,7 +176,9 @@ void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
   result.mesh = std::move(checked.mesh);
   report.after = std::move(checked.report);
   report.original_vertex = original_vertices(result.mesh, mesh);
-  report.volume_relative = report.after.volume_m3 / report.before.volume_m3 - 1.0;
+  report.volume_relative = report.before.has_volume()
+                               ? report.after.volume_m3 / report.before.volume_m3 - 1.0
+                               : std::numeric_limits<double>::quiet_NaN();
   if (!report.after.accepted()) {
     report.refusal = report.after.verdict();
     return;
@@ -287,9 +285,13 @@ CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
   }
   if (mode == RepairMode::kWrap && !report.changed.empty()) {
     notes.push_back(fmt::format(
-        "{}: THE SURFACE IS NEW: wrapped, none of its vertices is the file's; volume "
-        "{:+.2f} %, moved by up to {:.3g} m",
-        name, 100.0 * report.volume_relative, report.displaced_m));
+        "{}: THE SURFACE IS NEW: wrapped, none of its vertices is the file's; {}moved "
+        "by up to {:.3g} m",
+        name,
+        std::isfinite(report.volume_relative)
+            ? fmt::format("volume {:+.2f} %, ", 100.0 * report.volume_relative)
+            : std::string(),
+        report.displaced_m));
   }
   return {.mesh = std::move(repaired.mesh), .report = std::move(report.after)};
 }

@@ -36,7 +36,7 @@ struct RepairReport {
   /// Largest distance of the old surface from the new one, and, if the old one was
   /// closed, of the new one from the old one.
   double displaced_m = 0.0;
-  double volume_relative = 0.0;  ///< change; of volumes of an open surface: meaningless
+  double volume_relative = 0.0;  ///< change; NaN where there was no volume before
   std::string refusal;           ///< empty: the result is to be trusted
 };
 

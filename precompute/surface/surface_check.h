@@ -29,7 +29,7 @@ struct SurfaceReport {
   Eigen::Index components = 0;    ///< parts that share no vertex
   std::vector<SurfacePart> part;  ///< as many
   double area_m2 = 0.0;
-  double volume_m3 = 0.0;  ///< after turning; only meaningful if closed
+  double volume_m3 = 0.0;  ///< after turning; only meaningful if has_volume()
   Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();  ///< corner of the bounding box
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< its sides
   double edge_mean_m = 0.0;                            ///< mean edge length
@@ -52,6 +52,11 @@ struct SurfaceReport {
   [[nodiscard]] Eigen::Index specks() const;    ///< parts that are too small to matter
   [[nodiscard]] Eigen::Index cavities() const;  ///< parts that are walls of cavities
   [[nodiscard]] bool closed() const { return border_edges.count == 0; }
+  /// Closed, and all triangles agree on the outside: volume_m3 is that of the inside.
+  [[nodiscard]] bool has_volume() const {
+    return closed() && flipped_edges.count == 0 && non_manifold_edges.count == 0 &&
+           nested_components.count == 0;
+  }
   /// Whether the surface bounds a body that can be meshed.
   [[nodiscard]] bool accepted() const;
   /// One line: what the body is, or every defect with its number and first place.

@@ -109,6 +109,30 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
   EXPECT_LT(std::sqrt(squares / 162.0), 0.06);
 }
 
+TEST_F(FitSession, TellsARunsFileOnceAndCountsAllRuns) {
+  const ToolRun result = run_tool_process(
+      "palpate-fit", {"surface", folder_ / "session.toml", "-o", folder_ / "body.h5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("40 runs read: 38 behind the field, at 38 places; 2 left"),
+            std::string::npos)
+      << result.out;
+  EXPECT_NE(result.out.find("left out run3.csv: no row with"), std::string::npos)
+      << result.out;
+}
+
+TEST_F(FitSession, RefusesABodyInAnotherUnitAndTellsAHugeOne) {
+  std::string text = bytes_of(folder_ / "session.toml");
+  text.replace(text.find("length_unit = \"mm\""), 18, "length_unit = \"m\"");
+  std::ofstream(folder_ / "metres.toml") << text;
+  const ToolRun result = run_tool_process(
+      "palpate-fit", {"surface", folder_ / "metres.toml", "-o", folder_ / "body.h5"});
+  EXPECT_EQ(result.exit_code, 2) << result.out;
+  EXPECT_NE(result.err.find("times 1000 they lie on it"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("length_unit of [body], now \"m\""), std::string::npos)
+      << result.err;
+}
+
 TEST_F(FitSession, NeedsAToolThatCanBeRendered) {
   std::string text = bytes_of(folder_ / "session.toml");
   text.erase(text.find("[indenter]"), text.find("[body]") - text.find("[indenter]"));

@@ -6,9 +6,8 @@ namespace palpate {
 namespace {
 
 TEST(NamedMessage, HasTheNameOnce) {
-  for (const char* message :
-       {"no numbers", "lab/x.csv: no numbers", "/home/me/lab/x.csv: no numbers",
-        "x.csv: no numbers"}) {
+  for (const char* message : {"no numbers", "lab/x.csv: no numbers",
+                              "/home/me/lab/x.csv: no numbers", "x.csv: no numbers"}) {
     EXPECT_EQ(with_name("lab/x.csv", message), "lab/x.csv: no numbers") << message;
   }
   EXPECT_EQ(with_name("lab/x.h5#3", "/home/me/lab/x.h5: no curve"),

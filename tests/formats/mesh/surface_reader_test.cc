@@ -297,6 +297,19 @@ TEST_F(SurfaceReader, RefusesABodyOfImpossibleSize) {
   EXPECT_TRUE(contains(text, "coordinates in mm")) << text;
 }
 
+TEST_F(SurfaceReader, TellsABodyOfUnusualSize) {
+  const std::string huge = "v 0 0 0\nv 12000 0 0\nv 0 12000 0\nf 1 2 3\n";
+  std::vector<std::string> notes;
+  (void)read_surface(file("a.obj", huge), "mm", &notes);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "a.obj: the body is 12 m long")) << notes[0];
+  EXPECT_TRUE(contains(notes[0], "--length-unit")) << notes[0];
+  (void)read_surface(file("a.obj", huge), "nm", &notes);  // 12 um
+  EXPECT_EQ(notes.size(), 2U);
+  (void)read_surface(file("a.obj", huge), "um", &notes);  // 12 mm
+  EXPECT_EQ(notes.size(), 2U);
+}
+
 TEST_F(SurfaceReader, WriterRefusesOtherFormats) {
   EXPECT_THROW(write_obj(sphere_surface(0.05, 1), folder_ / "a.stl", "a test"),
                InputError);

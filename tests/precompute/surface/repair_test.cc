@@ -228,6 +228,24 @@ TEST(Repair, MendsARealLiver) {
   EXPECT_LT(wrapped.report.volume_relative, 0.1);
 }
 
+// Triangles that were turned change the sign of what they enclose, not the volume.
+TEST(Repair, StatesNoChangeOfAVolumeThatWasUnknown) {
+  SurfaceMesh mesh = organ(2);
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); t += 5) {
+    mesh.triangle.row(t) = mesh.triangle.row(t).reverse().eval();
+  }
+  const RepairedSurface turned = repair_surface(mesh, RepairMode::kSafe);
+  EXPECT_EQ(turned.report.refusal, "");
+  EXPECT_FALSE(turned.report.before.has_volume());
+  EXPECT_TRUE(turned.report.after.has_volume());
+  EXPECT_TRUE(std::isnan(turned.report.volume_relative));
+  SurfaceMesh inside_out = organ(2);
+  inside_out.triangle.col(1).swap(inside_out.triangle.col(2));
+  const RepairedSurface whole = repair_surface(inside_out, RepairMode::kSafe);
+  EXPECT_TRUE(whole.report.before.has_volume());
+  EXPECT_NEAR(whole.report.volume_relative, 0.0, 1e-12);
+}
+
 TEST(RepairedBody, SaysWhatToTryNext) {
   std::vector<std::string> notes;
   const SurfaceMesh open = without_triangles(icosphere(0.01, 3), 2);
