@@ -38,16 +38,16 @@ void take_time_for_depth(InsertionOptions& options) {
   if (options.machine.time.column.empty()) {
     throw InputError("--speed-mm-per-s needs --time-column");
   }
-  if (!options.read.told.depth.column.empty()) {
+  if (!options.read.given.depth.column.empty()) {
     throw InputError("--speed-mm-per-s and --depth-column: give one of them");
   }
   if (options.machine.time.unit.empty()) {
     throw InputError("--speed-mm-per-s needs --time-unit: s, ms, us or ns");
   }
-  if (options.ignore_header_units == false && options.read.told.force.unit.empty()) {
+  if (options.ignore_header_units == false && options.read.given.force.unit.empty()) {
     throw InputError("--speed-mm-per-s needs --force-unit");
   }
-  options.read.told.depth = {options.machine.time.column, "m"};
+  options.read.given.depth = {options.machine.time.column, "m"};
   options.read.header_units = HeaderUnits::kIgnored;
 }
 
@@ -71,7 +71,7 @@ InsertionRead read_insertion(InsertionOptions& options) {
   if (options.speed_mm_per_s) {
     take_time_for_depth(options);
   } else {
-    options.read.told.time = told_time(options.machine);
+    options.read.given.time = (options.machine);
   }
   const auto read_one = [&](const std::string& file) {
     CurveFile one = options.read;
@@ -251,14 +251,14 @@ void add_insertion_command(Command app) {
                   "origin of depth; layouts as of curve")
       .required();
   const std::string by_header = "; default: as the header tells by its units";
-  command.add_option("--depth-column", options->read.told.depth.column,
+  command.add_option("--depth-column", options->read.given.depth.column,
                      "name or number" + by_header);
-  command.add_option("--depth-unit", options->read.told.depth.unit,
+  command.add_option("--depth-unit", options->read.given.depth.unit,
                      "m, cm, mm, um, nm, in; default: the header's");
-  command.add_option("--force-column", options->read.told.force.column,
+  command.add_option("--force-column", options->read.given.force.column,
                      "name or number" + by_header);
   command.add_option(
-      "--force-unit", options->read.told.force.unit,
+      "--force-unit", options->read.given.force.unit,
       "kN, daN, N, cN, mN, uN, nN, pN, gf, kgf, lbf; default: the header's");
   command.add_flag("--ignore-header-units", options->ignore_header_units,
                    "trust the flags where the header states other units");
