@@ -71,7 +71,7 @@ InsertionRead read_insertion(InsertionOptions& options) {
   if (options.speed_mm_per_s) {
     take_time_for_depth(options);
   } else {
-    options.read.given.time = (options.machine);
+    options.read.given.time = given_time(options.machine);
   }
   const auto read_one = [&](const std::string& file) {
     CurveFile one = options.read;
