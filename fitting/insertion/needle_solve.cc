@@ -56,6 +56,15 @@ bool sticks_in(const FittedSamples& fitted, int pass) {
                      });
 }
 
+// Whether a later pass cuts on where this one has turned.
+bool goes_on_beyond(const FittedSamples& fitted, const NeedleModel& model, int pass) {
+  const double turn_m = model.events().turn_m[static_cast<std::size_t>(pass)];
+  return std::any_of(fitted.sample.begin(), fitted.sample.end(),
+                     [&](const NeedleSample& s) {
+                       return s.pass > pass && s.depth_m > turn_m;
+                     });
+}
+
 // Parameters that no sample tells anything of stay where they are.
 std::vector<bool> held_parameters(const SolvedNeedle& now) {
   const NeedleModel& model = now.model;
@@ -80,7 +89,7 @@ std::vector<bool> held_parameters(const SolvedNeedle& now) {
   for (int pass = 0; pass < static_cast<int>(model.events().turn_m.size()); ++pass) {
     if (sticks_in(now.fitted, pass)) {
       sticks = true;
-    } else {
+    } else if (!goes_on_beyond(now.fitted, model, pass)) {
       hold(model.turn(pass));
     }
   }
