@@ -31,6 +31,7 @@ struct InsertionOptions {
 struct InsertionRead {
   std::vector<CurveRead> files;
   std::vector<Measurement> samples;
+  std::optional<FrameRun> frame;
 };
 
 // Depth from time and a constant speed: the column of times is read in place of depths.
@@ -78,7 +79,7 @@ InsertionRead read_insertion(InsertionOptions& options) {
     one.file = file;
     return read_curve_file(one);
   };
-  const auto frame = frame_of(options.machine, [&](const std::string& file) {
+  read.frame = frame_of(options.machine, [&](const std::string& file) {
     CurveFile plate = options.read;
     plate.file = file;
     plate.press = CurveFile::kNoPress;
@@ -87,9 +88,6 @@ InsertionRead read_insertion(InsertionOptions& options) {
   for (const std::string& file : options.files) {
     read.files.push_back(read_one(file));
     read.samples.push_back(insertion_samples(read.files.back(), options));
-    if (frame) {
-      take_off_deflection(frame->frame, kNeedleSamplesMin, read.samples.back());
-    }
   }
   return read;
 }
@@ -229,7 +227,8 @@ void run_insertion(InsertionOptions& options) {
     names += (names.empty() ? "" : ", ") + file;
   }
   try {
-    const NeedlePath path = find_needle_path(read.samples);
+    const NeedlePath path =
+        find_needle_path(read.samples, read.frame ? &read.frame->frame : nullptr);
     const NeedleFit fit = fit_needle(path);
     const auto toughness = toughness_of_layers(fit, options);
     options.json ? print_insertion_json(read, path, fit, toughness)

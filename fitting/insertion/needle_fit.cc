@@ -237,10 +237,11 @@ void note_what_is_missing(const Solution& s, bool separated, NeedleFit& fit) {
                       in));
     }
     if (here.free < kNeedlePartMin) {
-      fit.notes.push_back(fmt::format(
-          "baseline{}: {} samples before contact; contact point and offset are told by "
-          "the shape of the curve alone",
-          in, here.free));
+      fit.notes.push_back(
+          fmt::format("baseline{}: {} samples before contact; contact point and offset "
+                      "are determined by "
+                      "the shape of the curve alone",
+                      in, here.free));
     }
   }
 }

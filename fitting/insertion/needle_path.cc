@@ -142,9 +142,28 @@ double sign_of_force(const NeedlePath& path) {
   return work < 0.0 ? -1.0 : 1.0;
 }
 
+// Deflections are of the force above that at the beginning of each file's insertion.
+void take_off_frame(const FrameCompliance& frame, NeedlePath& path) {
+  double before = 0.0;
+  int file = -1;
+  for (const NeedlePass& pass : path.pass) {
+    if (path.file[pass.in_begin] == file) {
+      continue;
+    }
+    file = path.file[pass.in_begin];
+    const auto forces = std::span(path.force_n).subspan(pass.in_begin, 8);
+    before = median({forces.begin(), forces.end()});
+    for (std::size_t i = 0; i < path.depth_m.size(); ++i) {
+      path.depth_m[i] -=
+          path.file[i] == file ? deflection_m(frame, path.force_n[i] - before) : 0.0;
+    }
+  }
+}
+
 }  // namespace
 
-NeedlePath find_needle_path(const std::vector<Measurement>& files) {
+NeedlePath find_needle_path(const std::vector<Measurement>& files,
+                            const FrameCompliance* frame) {
   if (files.empty()) {
     throw InputError("no measurement of an insertion");
   }
@@ -159,12 +178,15 @@ NeedlePath find_needle_path(const std::vector<Measurement>& files) {
     check_file(files[k], k);
     append_file(files[k], sign, path);
   }
-  measure_passes(path);
   if (sign_of_force(path) < 0.0) {
     path.force_turned = true;
     std::transform(path.force_n.begin(), path.force_n.end(), path.force_n.begin(),
                    std::negate<>());
   }
+  if (frame != nullptr) {
+    take_off_frame(*frame, path);
+  }
+  measure_passes(path);
   path.held = static_cast<std::size_t>(
       std::count(path.motion.begin(), path.motion.end(), NeedleMotion::kLeftOut));
   return path;

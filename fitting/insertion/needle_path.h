@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "fitting/curve/frame_compliance.h"
 #include "formats/database/response_database.h"
 
 namespace palpate {
@@ -44,6 +45,9 @@ constexpr double kPassShareMin = 0.05;         ///< [-] of the travel
 /// The sign of the force is that of the work of the first insertion.
 /// @throws InputError for unequal counts, a value that is not finite, no travel, and a
 /// file without an insertion of kNeedleSamplesMin samples.
-[[nodiscard]] NeedlePath find_needle_path(const std::vector<Measurement>& files);
+/// @param frame whose deflection is taken off the depths, after motion was told apart
+/// by those that the machine reports; may be null.
+[[nodiscard]] NeedlePath find_needle_path(const std::vector<Measurement>& files,
+                                          const FrameCompliance* frame = nullptr);
 
 }  // namespace palpate
