@@ -33,8 +33,8 @@ bool falls_there(const NeedlePath& path, const NeedleSwitches& switches,
 }
 
 // Samples of this motion in a pass.
-std::vector<std::size_t> samples_of(const NeedlePath& path, std::size_t begin,
-                                    std::size_t end, NeedleMotion motion) {
+std::vector<std::size_t> moving_samples(const NeedlePath& path, std::size_t begin,
+                                        std::size_t end, NeedleMotion motion) {
   std::vector<std::size_t> places;
   for (std::size_t i = begin; i < end; ++i) {
     if (path.motion[i] == motion) {
@@ -82,7 +82,7 @@ std::vector<RuptureSamples> find_ruptures(const NeedlePath& path) {
     std::vector<std::size_t> places;
     std::vector<double> force;
     for (const std::size_t i :
-         samples_of(path, pass.in_begin, pass.in_end, NeedleMotion::kIn)) {
+         moving_samples(path, pass.in_begin, pass.in_end, NeedleMotion::kIn)) {
       if (path.depth_m[i] > deepest) {
         places.push_back(i);
         force.push_back(path.force_n[i]);
@@ -118,7 +118,7 @@ FittedSamples fitted_samples(const NeedlePath& path, const NeedleSwitches& switc
     const double skip_in =
         reverses ? kReversalShare * (path.pass[p - 1].turn_m - pass.first_m) : -1.0;
     for (const std::size_t i :
-         samples_of(path, pass.in_begin, pass.in_end, NeedleMotion::kIn)) {
+         moving_samples(path, pass.in_begin, pass.in_end, NeedleMotion::kIn)) {
       if (path.depth_m[i] - pass.first_m > skip_in && !falls_there(path, switches, i)) {
         add(i, p, ShaftState::kInwards);
       }
@@ -128,7 +128,7 @@ FittedSamples fitted_samples(const NeedlePath& path, const NeedleSwitches& switc
         kReversalShare * (pass.turn_m - std::max(contact_m, pass.last_m));
     std::size_t number = 0;
     for (const std::size_t i :
-         samples_of(path, pass.out_begin, pass.out_end, NeedleMotion::kOut)) {
+         moving_samples(path, pass.out_begin, pass.out_end, NeedleMotion::kOut)) {
       const bool known = stuck.count != StuckSamples::kUnknown;
       if (known && number++ < stuck.count) {
         if (stuck.count >= kNeedlePartMin) {
@@ -222,7 +222,7 @@ std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
   for (std::size_t p = 0; p < path.pass.size(); ++p) {
     const NeedlePass& pass = path.pass[p];
     const auto places =
-        samples_of(path, pass.out_begin, pass.out_end, NeedleMotion::kOut);
+        moving_samples(path, pass.out_begin, pass.out_end, NeedleMotion::kOut);
     if (places.size() < 2 * kNeedlePartMin) {
       continue;
     }

@@ -15,8 +15,8 @@ struct RuptureSamples {
   /// The rupture may as well lie between other neighbours: between these samples, with
   /// 95 % probability.
   std::size_t earliest = 0, latest = 0;
-  /// [m] of travel afterwards that is left out: the friction of the shaft lags behind
-  /// the channel, which has leapt, as far as the shaft sticks.
+  /// [m] of travel afterwards that is left out. The channel has leapt, and the friction
+  /// of the shaft lags behind until the shaft slides.
   double lag_m = 0.0;
 };
 
@@ -50,8 +50,8 @@ struct FittedSamples {
   std::vector<std::size_t> place;
 };
 
-/// Left out are holds, falls in progress and the lag after them, and ways after a
-/// reversal of which it is not known when the shaft slides. @param contact_m a pass
+/// Left out are holds, falls in progress and the lag after them. After a reversal the
+/// way is left out while it is not known when the shaft slides. @param contact_m a pass
 /// that begins deeper reverses.
 [[nodiscard]] FittedSamples fitted_samples(const NeedlePath& path,
                                            const NeedleSwitches& switches,
@@ -66,8 +66,8 @@ struct FittedSamples {
 bool move_ruptures(const NeedlePath& path, const NeedleModel& model,
                    const Eigen::VectorXd& q, double variance, NeedleSwitches& switches);
 
-/// Number of samples, of each extraction, until the shaft slides: the best division
-/// into a straight line from the force at the turn and sliding friction.
+/// Number of samples, of each extraction, until the shaft slides. The extraction is
+/// divided where a straight line, and sliding friction after it, follow best.
 [[nodiscard]] std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
                                                            const NeedleModel& model,
                                                            const Eigen::VectorXd& q,

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFrictionDeviations = 5.0;  // less friction tells no static ratio
 constexpr double kMissDeviations = 5.0;
-constexpr std::size_t kFreeMin = 20;  // samples
+constexpr std::size_t kFreeResiduals = 20;  // samples
 
 using Parameters = Eigen::VectorXd;
 
@@ -207,9 +207,10 @@ void compare_residuals(const Solution& s, NeedleFit& fit) {
         s.solved.fitted.sample[i].depth_m < s.solved.q[NeedleModel::kContact];
     (before ? free : inside).push_back(s.solved.residual[static_cast<Eigen::Index>(i)]);
   }
-  fit.free_rms_n =
-      free.size() >= kFreeMin ? rms(free) : std::numeric_limits<double>::quiet_NaN();
-  if (free.size() < kFreeMin || inside.empty()) {
+  fit.free_rms_n = free.size() >= kFreeResiduals
+                       ? rms(free)
+                       : std::numeric_limits<double>::quiet_NaN();
+  if (free.size() < kFreeResiduals || inside.empty()) {
     return;
   }
   const double spread =

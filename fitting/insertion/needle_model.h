@@ -2,10 +2,11 @@
 //
 //   F = b + d t + f(e) + q,   f(e) = c e^n,   e = max(z - z0 - L, 0)
 //
-// Symbols: F force [N]; z needle depth, z0 contact point, L depth of the channel that
-// the tip has opened, e deflection of the tissue before the tip [m]; c [N/m^n] and n
-// [-] of the curve before rupture; b offset and d drift [N], t clock [-]; q friction of
-// the shaft [N].
+// Symbols: F force [N], f force of the tip, q friction of the shaft; z needle depth
+// [m], z0 contact point, L depth of the channel that the tip has opened. e is the
+// deflection of the tissue before the tip [m]; c [N/m^n] and n [-] belong to the curve
+// before rupture. The baseline has the offset b [N] and the drift d [N] over the clock
+// t [-].
 //
 // Layer k lies between the boundaries B_(k-1) and B_k, B_0 = 0, each behind a membrane.
 // After s ruptures the tip cuts layer s, with the cutting force C_s. The channel grows:
@@ -13,8 +14,8 @@
 //   L = max(L', min(z - z0 - (C_s / c)^(1/n), B_s)),   L = 0 before the first rupture
 //
 // L' is the channel of the passes before. At a boundary the force rises along f again.
-// With phi_k the friction per length [N/m] of a layer, the friction of the shaft is
-// Phi(l), its sum over the inserted length l = min(z - z0, L):
+// phi_k is the friction per length [N/m] of a layer, and l = min(z - z0, L) the
+// inserted length. Phi(l) sums phi_k over l. The friction of the shaft is
 //
 //   q = Phi(l) inwards,   q = -Phi(l) outwards,
 //   q = Phi(l_turn) - k_b (z_turn - z) outwards, as long as the shaft sticks.

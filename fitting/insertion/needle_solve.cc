@@ -106,7 +106,7 @@ std::vector<bool> held_parameters(const SolvedNeedle& now) {
   return held;
 }
 
-LeastSquaresProblem problem_of(const SolvedNeedle& now) {
+LeastSquaresProblem needle_problem(const SolvedNeedle& now) {
   const NeedleModel& model = now.model;
   const Eigen::Index p = model.parameters();
   LeastSquaresProblem problem;
@@ -131,7 +131,7 @@ LeastSquaresProblem problem_of(const SolvedNeedle& now) {
 void solve_at_events(const NeedlePath& path, SolvedNeedle& now) {
   now.fitted = fitted_samples(path, now.switches, now.q[NeedleModel::kContact]);
   now.held = held_parameters(now);
-  const LeastSquaresProblem problem = problem_of(now);
+  const LeastSquaresProblem problem = needle_problem(now);
   const LeastSquaresReport report =
       solve_least_squares(problem, now.q, {.tolerance = 1e-10});
   now.q = report.q;
@@ -273,8 +273,8 @@ Eigen::MatrixXd needle_covariance(const SolvedNeedle& solved) {
     }
   }
   const Eigen::MatrixXd J = solved.jacobian(Eigen::all, free);
-  const Eigen::MatrixXd of_free = covariance_under_noise(J, solved.residual, J.rows(),
-                                                         SharedNoise::kAlsoRegression);
+  const Eigen::MatrixXd of_free =
+      covariance_under_noise(J, solved.residual, J.rows(), SharedNoise::kRough);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(solved.q.size(), solved.q.size());
   covariance(free, free) = of_free;
   return covariance;
