@@ -51,15 +51,15 @@ double noise_of_falls(const std::vector<double>& falls, std::size_t m) {
   return robust_standard_deviation(differences) / std::numbers::sqrt2;
 }
 
-struct Place {
+struct FallPlace {
   std::size_t before = 0;
   double deviations = 0.0;  // T_m
   double excess = 0.0;      // [-] over its limit
 };
 
-std::vector<Place> places_beyond(std::span<const double> f, double false_rate,
-                                 double least_n) {
-  std::vector<Place> places;
+std::vector<FallPlace> places_beyond(std::span<const double> f, double false_rate,
+                                     double least_n) {
+  std::vector<FallPlace> places;
   const auto all = static_cast<double>(f.size() * kWindows.size());
   const double z = normal_quantile_above(false_rate / all);
   for (const std::size_t m : kWindows) {
@@ -74,14 +74,16 @@ std::vector<Place> places_beyond(std::span<const double> f, double false_rate,
       }
     }
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return a.excess > b.excess;
-  });
+  std::stable_sort(places.begin(), places.end(),
+                   [](const FallPlace& a, const FallPlace& b) {
+                     return a.excess > b.excess;
+                   });
   return places;
 }
 
 // The steepest step near a place, and how far the force goes on falling.
-ForceFall refined_fall(std::span<const double> f, const Place& place, double noise_n) {
+ForceFall refined_fall(std::span<const double> f, const FallPlace& place,
+                       double noise_n) {
   const std::size_t begin = place.before > 1 ? place.before - 2 : 0;
   const std::size_t end = std::min(place.before + 3, f.size() - 1);
   std::size_t steepest = place.before;
@@ -126,7 +128,7 @@ std::vector<ForceFall> find_force_falls(std::span<const double> force_n,
   const double least_n = kLeastNoise * largest;
   const double step_noise =
       std::max(noise_of_falls(falls_of_means(force_n, 1), 1), least_n);
-  for (const Place& place : places_beyond(force_n, false_rate, least_n)) {
+  for (const FallPlace& place : places_beyond(force_n, false_rate, least_n)) {
     const bool near = std::any_of(falls.begin(), falls.end(), [&](const ForceFall& f) {
       return place.before + kFallReach >= f.before &&
              place.before <= f.after + kFallReach;

@@ -72,7 +72,7 @@ struct Solution {
   }
 };
 
-NeedleEstimate fall_of(const Solution& s, std::size_t k) {
+NeedleEstimate rupture_fall(const Solution& s, std::size_t k) {
   return estimate(
       [&](const Parameters& q) {
         return s.tip(q, k, false) + s.shaft(q, k, false) - s.tip(q, k, true) -
@@ -110,7 +110,7 @@ FittedRupture rupture_of(const Solution& s, std::size_t k) {
         return s.tip(q, k, false);
       },
       s.solved.q, s.covariance, stiffness * half);
-  const NeedleEstimate fall = fall_of(s, k);
+  const NeedleEstimate fall = rupture_fall(s, k);
   rupture.fall_n = fall.value;
   rupture.deviations = fall.value / fall.sd;
   return rupture;
@@ -178,13 +178,17 @@ NeedleEstimate static_ratio_of(const Solution& s, std::size_t p) {
     return refused_estimate("not separated: the friction is within its error");
   }
   const double stiffness = s.solved.q[NeedleModel::kPresliding];
-  return estimate(
+  const NeedleEstimate ratio = estimate(
       [&](const Parameters& q) {
         return (q[NeedleModel::kPresliding] * (slides + q[turn]) - kinetic(q)) /
                friction(q, pass.turn_m - slides);
       },
       s.solved.q, s.covariance,
       half * stiffness / friction(s.solved.q, pass.turn_m - slides));
+  return ratio.value + kNormal95 * ratio.sd < 1.0
+             ? refused_estimate(
+                   "not separated: no peak of the force after the reversal")
+             : ratio;
 }
 
 // Of the extraction that tells it best.
@@ -293,7 +297,7 @@ std::size_t least_sure_rupture(const Solution& s) {
   std::size_t worst = count;
   double least = limit;
   for (std::size_t k = 0; s.covariance.allFinite() && k < count; ++k) {
-    const NeedleEstimate fall = fall_of(s, k);
+    const NeedleEstimate fall = rupture_fall(s, k);
     const double deviations = fall.sd > 0.0 ? fall.value / fall.sd : 0.0;
     if (deviations < least) {
       least = deviations;

@@ -82,7 +82,7 @@ void take_out(const Segment& s, std::size_t first, NeedlePath& path) {
             NeedleMotion::kOut);
 }
 
-void append_file(const Measurement& m, double sign, NeedlePath& path) {
+void append_needle_file(const Measurement& m, double sign, NeedlePath& path) {
   const std::size_t first = path.depth_m.size(), passes = path.pass.size();
   std::vector<double> depth = m.depth_m;
   for (double& x : depth) {
@@ -176,7 +176,7 @@ NeedlePath find_needle_path(const std::vector<Measurement>& files,
   path.depth_turned = sign < 0.0;
   for (std::size_t k = 0; k < files.size(); ++k) {
     check_file(files[k], k);
-    append_file(files[k], sign, path);
+    append_needle_file(files[k], sign, path);
   }
   if (sign_of_force(path) < 0.0) {
     path.force_turned = true;
