@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -56,10 +57,15 @@ struct StraightLine {
     xy += at * value;
     yy += value * value;
   }
+  [[nodiscard]] double slope() const {
+    const double spread = xx - x * x / n;
+    return spread > 1e-12 * xx ? (xy - x * y / n) / spread : 0.0;
+  }
+  [[nodiscard]] double at(double place) const {
+    return y / n + slope() * (place - x / n);
+  }
   [[nodiscard]] double squares_left() const {
-    const double spread = xx - x * x / n, common = xy - x * y / n;
-    const double slope = spread > 1e-12 * xx ? common / spread : 0.0;
-    return std::max(0.0, yy - y * y / n - slope * common);
+    return std::max(0.0, yy - y * y / n - slope() * (xy - x * y / n));
   }
 };
 
@@ -245,7 +251,11 @@ std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
     for (std::size_t i = 0; i < places.size(); ++i) {
       total -= slid[i] * slid[i];
       through.add(way[i], line[i]);
-      costs.push_back(total + through.squares_left());
+      // A line that ends above the force of sliding is none of sticking.
+      const double kinetic = line[i] - slid[i];
+      const bool peaks = through.at(way[i]) < kinetic + 2.0 * std::sqrt(variance);
+      costs.push_back(peaks ? total + through.squares_left()
+                            : std::numeric_limits<double>::infinity());
     }
     const auto best = std::min_element(costs.begin(), costs.end());
     const double allowed = *best + kChi95 * variance;

@@ -2,11 +2,11 @@
 //
 //   F = b + d t + f(e) + q,   f(e) = c e^n,   e = max(z - z0 - L, 0)
 //
-// Symbols: F force [N], f force of the tip, q friction of the shaft; z needle depth
-// [m], z0 contact point, L depth of the channel that the tip has opened. e is the
-// deflection of the tissue before the tip [m]; c [N/m^n] and n [-] belong to the curve
-// before rupture. The baseline has the offset b [N] and the drift d [N] over the clock
-// t [-].
+// Symbols: F force [N], f force of the tip, q friction of the shaft. z is the depth of
+// the needle [m], z0 the contact point, L the depth of the channel that the tip has
+// opened. e is the deflection of the tissue before the tip [m]; c [N/m^n] and n [-]
+// belong to the curve before rupture. The baseline has the offset b [N] and the drift d
+// [N] over the clock t [-].
 //
 // Layer k lies between the boundaries B_(k-1) and B_k, B_0 = 0, each behind a membrane.
 // After s ruptures the tip cuts layer s, with the cutting force C_s. The channel grows:
