@@ -221,8 +221,8 @@ bool move_ruptures(const NeedlePath& path, const NeedleModel& model,
 
 std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
                                              const NeedleModel& model,
-                                             const Eigen::VectorXd& q,
-                                             double variance) {
+                                             const Eigen::VectorXd& q, double variance,
+                                             double least_gain) {
   const std::vector<NeedleTerm> ends = model.channels(q);
   std::vector<StuckSamples> stuck(path.pass.size());
   for (std::size_t p = 0; p < path.pass.size(); ++p) {
@@ -257,7 +257,10 @@ std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
       costs.push_back(peaks ? total + through.squares_left()
                             : std::numeric_limits<double>::infinity());
     }
-    const auto best = std::min_element(costs.begin(), costs.end());
+    auto best = std::min_element(costs.begin(), costs.end());
+    const auto few = costs.begin() + static_cast<std::ptrdiff_t>(kNeedlePartMin);
+    const auto best_of_few = std::min_element(costs.begin(), few);
+    best = *best < *best_of_few - least_gain ? best : best_of_few;
     const double allowed = *best + kChi95 * variance;
     const auto plausible = [&](double cost) {
       return cost <= allowed;

@@ -68,9 +68,12 @@ bool move_ruptures(const NeedlePath& path, const NeedleModel& model,
 
 /// Number of samples, of each extraction, until the shaft slides. The extraction is
 /// divided where a straight line, and sliding friction after it, follow best.
+/// @param least_gain [N^2] of the squares over those of fewer than kNeedlePartMin
+/// samples; less gain is of the noise.
 [[nodiscard]] std::vector<StuckSamples> find_stuck_samples(const NeedlePath& path,
                                                            const NeedleModel& model,
                                                            const Eigen::VectorXd& q,
-                                                           double variance);
+                                                           double variance,
+                                                           double least_gain);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "fitting/insertion/needle_start.h"
 #include "fitting/numerics/correlated_noise.h"
@@ -12,6 +13,7 @@ namespace {
 constexpr double kExponentMin = 1.0, kExponentMax = 2.5;
 constexpr double kLeastCutting = 1e-4;  // [-] of the force at the first rupture
 constexpr double kFreeClock = 0.02;     // [-] of a file, free before a drift is seen
+constexpr double kStickingGain = 20.0;  // variances of slow noise
 constexpr int kMoves = 4;               // of ruptures, each with a solve
 
 struct LayerSamples {
@@ -154,6 +156,16 @@ void solve_moving_ruptures(const NeedlePath& path, SolvedNeedle& now) {
   }
 }
 
+// Slow noise makes lines, too: what sticks follows better by many of its variances.
+void find_sticking(const NeedlePath& path, SolvedNeedle& now) {
+  const std::span<const double> residuals(
+      now.residual.data(), static_cast<std::size_t>(now.residual.size()));
+  const double slow = now.variance * static_cast<double>(residuals.size()) /
+                      effective_samples(residuals);
+  now.switches.stuck =
+      find_stuck_samples(path, now.model, now.q, now.variance, kStickingGain * slow);
+}
+
 // k_b [N/m] of the straight line through what sticks, to start from.
 double presliding_start(const NeedlePath& path, const SolvedNeedle& now) {
   const std::vector<NeedleTerm> ends = now.model.channels(now.q);
@@ -255,12 +267,12 @@ SolvedNeedle solve_needle(const NeedlePath& path,
                    .residual = {},
                    .jacobian = {}};
   solve_moving_ruptures(path, now);
-  now.switches.stuck = find_stuck_samples(path, now.model, now.q, now.variance);
+  find_sticking(path, now);
   now.q[NeedleModel::kPresliding] = presliding_start(path, now);
   find_lags(path, now);
   solve_moving_ruptures(path, now);
   // The samples that stick tell of the force at the turn, too: once more.
-  now.switches.stuck = find_stuck_samples(path, now.model, now.q, now.variance);
+  find_sticking(path, now);
   solve_moving_ruptures(path, now);
   return now;
 }
