@@ -203,22 +203,40 @@ NeedleEstimate static_ratio(const Solution& s) {
   return best;
 }
 
-// Whether residuals in the tissue are beyond those before contact.
+// Values less their own straight line.
+std::vector<double> without_line(const std::vector<double>& values) {
+  const auto n = static_cast<Eigen::Index>(values.size());
+  Eigen::MatrixXd line(n, 2);
+  line << Eigen::VectorXd::Ones(n), Eigen::VectorXd::LinSpaced(n, -1.0, 1.0);
+  const Eigen::Map<const Eigen::VectorXd> all(values.data(), n);
+  const Eigen::Matrix2d normal = line.transpose() * line;
+  const Eigen::VectorXd left = all - line * normal.inverse() * line.transpose() * all;
+  return {left.data(), left.data() + n};
+}
+
+// Whether residuals in the tissue are beyond the noise of the first free travel.
 void compare_residuals(const Solution& s, NeedleFit& fit) {
   std::vector<double> free, inside;
   for (std::size_t i = 0; i < s.solved.fitted.sample.size(); ++i) {
-    const bool before =
-        s.solved.fitted.sample[i].depth_m < s.solved.q[NeedleModel::kContact];
-    (before ? free : inside).push_back(s.solved.residual[static_cast<Eigen::Index>(i)]);
+    const NeedleSample& sample = s.solved.fitted.sample[i];
+    const double residual = s.solved.residual[static_cast<Eigen::Index>(i)];
+    if (sample.depth_m >= s.solved.q[NeedleModel::kContact]) {
+      inside.push_back(residual);
+    } else if (sample.pass == 0 && sample.shaft == ShaftState::kInwards) {
+      free.push_back(residual);
+    }
   }
-  fit.free_rms_n = free.size() >= kFreeResiduals
-                       ? rms(free)
-                       : std::numeric_limits<double>::quiet_NaN();
+  fit.free_rms_n = std::numeric_limits<double>::quiet_NaN();
   if (free.size() < kFreeResiduals || inside.empty()) {
     return;
   }
+  free = without_line(free);  // a bad fit may shift the baseline
+  fit.free_rms_n = rms(free);
+  // The noise is as autocorrelated in the tissue as before it; a misfit is more so.
+  const double independent = effective_samples(free) / static_cast<double>(free.size());
   const double spread =
-      std::sqrt(0.5 / effective_samples(free) + 0.5 / effective_samples(inside));
+      std::sqrt(0.5 / (independent * static_cast<double>(free.size())) +
+                0.5 / (independent * static_cast<double>(inside.size())));
   fit.misses = std::log(rms(inside) / fit.free_rms_n) > kMissDeviations * spread;
 }
 
@@ -269,9 +287,9 @@ NeedleFit fit_of(const Solution& s) {
     fit.layers.push_back(layer_of(s, k, separated));
   }
   fit.static_ratio = static_ratio(s);
-  fit.presliding_n_per_m = s.held(NeedleModel::kPresliding)
-                               ? refused_estimate(fit.static_ratio.refused)
-                               : s.parameter(NeedleModel::kPresliding);
+  fit.presliding_n_per_m = fit.static_ratio.refused.empty()
+                               ? s.parameter(NeedleModel::kPresliding)
+                               : refused_estimate(fit.static_ratio.refused);
   for (int file = 0; file < s.path.files; ++file) {
     const int drift = s.model().drift(file);
     fit.baselines.push_back({s.solved.q[s.model().offset(file)],

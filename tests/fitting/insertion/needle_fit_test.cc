@@ -176,7 +176,8 @@ TEST(NeedleFit, WhatTheModelHasNotIsAMisfit) {
       m.force_n[i] += m.depth_m[i] > 22e-3 ? 0.1 : 0.0;
     }
   });
-  EXPECT_TRUE(fit.misses);
+  EXPECT_TRUE(fit.misses) << fit.rms_n << " " << fit.free_rms_n << " "
+                          << fit.layers.size();
 }
 
 TEST(NeedlePath, RefusesWrongInput) {

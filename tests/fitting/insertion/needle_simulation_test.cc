@@ -25,16 +25,18 @@ TEST(NeedleSimulation, WorkIsStoredOrSpentAndNothingIsCreated) {
   }
 }
 
-// The first pass cuts L more than the second, which meets friction alone over L.
-TEST(NeedleSimulation, TwoInsertionsDifferByCrackReleaseAndLaterFriction) {
+// The channel is there: a second pass to the same depth cuts and releases nothing more.
+TEST(NeedleSimulation, ASecondPassCutsNothing) {
   SimulatedTissue tissue;
-  tissue.layers = {{0.0, 2.0, 0.5, 0.0}};  // no friction: works differ by the crack
-  SimulatedNeedle needle(tissue);
-  SimulatedRun run{.noise_n = 0.0};
-  static_cast<void>(simulate_insertion(needle, run, 1));
-  const double first = needle.work_j;
-  EXPECT_NEAR(first, needle.cut_j + needle.released_j, 1e-12);
-  EXPECT_NEAR(needle.cut_j, 0.5 * needle.channel_m, 1e-12);
+  tissue.layers = {{0.0, 2.0, 0.5, 20.0}};
+  SimulatedNeedle once(tissue), twice(tissue);
+  static_cast<void>(simulate_insertion(once, {.noise_n = 0.0}, 1));
+  static_cast<void>(
+      simulate_insertion(twice, {.deepest_m = {25e-3, 25e-3}, .noise_n = 0.0}, 1));
+  EXPECT_NEAR(once.cut_j, 0.5 * once.channel_m, 1e-12);
+  EXPECT_NEAR(twice.cut_j, once.cut_j, 1e-12);
+  EXPECT_NEAR(twice.released_j, once.released_j, 1e-12);
+  EXPECT_GT(twice.friction_j, 1.9 * once.friction_j);
 }
 
 }  // namespace
