@@ -141,7 +141,7 @@ Vector3 advance_needle(FastState& state, const Vector3& x, const Vector3& moved,
                        Real dt_s, FastCommand& command) {
   // The field's own account while the field advances.
   const PunctureRules& rules = state.config.puncture;
-  state.ledger.stored_j -= held_j(rules, state.needle);
+  state.ledger.stored_j -= static_cast<double>(held_j(rules, state.needle));
   const Vector3 field_n = advance_model(state, image_m(state.needle, x), dt_s, command);
   const Vector3 force_n = advance(rules, state.needle,
                                   {state.potential, state.cache, state.memory,

@@ -65,8 +65,9 @@ void cut(const PunctureRules& rules, NeedleState& needle, const PuncturedSurface
     return;
   }
   (void)depth_for(force_n, s, channel, x_m, most_m);
-  const Real freed_j = std::max(Real(0.0), before_j - s.model.response.energy_j);
-  const Real crack_j = std::min(freed_j, force_n * (channel.depth_m - before_m));
+  const double freed_j = std::max<double>(0.0, before_j - s.model.response.energy_j);
+  const double crack_j =
+      std::min<double>(freed_j, force_n * (channel.depth_m - before_m));
   needle.crack_j += crack_j;
   needle.released_j += freed_j - crack_j;
   book_image(s.model, s.cache, s.memory, s.ledger, s.limits);
@@ -169,7 +170,7 @@ Vector3 advance(const PunctureRules& rules, NeedleState& needle,
                 const PuncturedSurface& s, const Vector3& field_n, const Vector3& x_m,
                 const Vector3& moved_m, Real dt_s) noexcept {
   const bool was_in = needle.active >= 0;
-  const Real before_j = held_j(rules, needle);
+  const auto before_j = static_cast<double>(held_j(rules, needle));
   if (!was_in) {
     needle.active = found_again(rules, needle, x_m);
     if (needle.active >= 0) {
@@ -189,7 +190,7 @@ Vector3 advance(const PunctureRules& rules, NeedleState& needle,
   if (was_in) {
     move(channel, moved_m);
   }
-  const Real moved_j = held_j(rules, channel);
+  const auto moved_j = static_cast<double>(held_j(rules, channel));
   s.ledger.stored_j += before_j;
   book_work(s.ledger, field_j + moved_j);
   const Real tip_m = channel.tip_m(x_m);
@@ -197,10 +198,13 @@ Vector3 advance(const PunctureRules& rules, NeedleState& needle,
   if (tip_m < 0.0) {
     let_go(channel);
   }
-  const Real now_j = held_j(rules, channel);
-  needle.shaft_j += std::max(Real(0.0), moved_j - now_j);
+  const auto now_j = static_cast<double>(held_j(rules, channel));
+  needle.shaft_j += std::max<double>(0.0, moved_j - now_j);
   book_yielding(s.ledger, field_j + now_j);
-  const Vector3 force_n = axial_n(s, channel) * channel.axis + held_n(rules, channel);
+  // The image moves along the axis alone: what acts across does no work.
+  const Vector3 image_n = s.model.response.force_n + s.model.spring.force_n();
+  const Vector3 force_n =
+      channel.axis.dot(image_n) * channel.axis + held_n(rules, channel);
   if (tip_m < 0.0) {
     needle.active = -1;
     ask_at(s, x_m);

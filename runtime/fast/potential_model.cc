@@ -321,7 +321,8 @@ void ask_at(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
 
 void book_image(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
                 PassivityLedger& ledger, const ElementModelLimits& limits) noexcept {
-  const Real held_j = model.response.energy_j + model.spring.energy_j();
+  const auto held_j =
+      static_cast<double>(model.response.energy_j + model.spring.energy_j());
   if (held_j <= ledger.stored_j) {
     book_yielding(ledger, held_j);
   }

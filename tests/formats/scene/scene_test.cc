@@ -144,8 +144,8 @@ INSTANTIATE_TEST_SUITE_P(
                 ":7: law \"gent\" in [[material]] is not available; available: "
                 "linear, st-venant-kirchhoff, neo-hookean, mooney-rivlin, ogden, "
                 "transversely-isotropic"},
-        Mistake{"\"sphere\"", "\"needle\"",
-                ":17: shape \"needle\" in [[tool]] is not available; available: "
+        Mistake{"\"sphere\"", "\"spoon\"",
+                ":17: shape \"spoon\" in [[tool]] is not available; available: "
                 "sphere, spheres, flat-punch, cone, capsule, mesh"},
         Mistake{"\"fixed\"", "\"sliding\"",
                 ":13: kind \"sliding\" in [[support]] is not available; available: "

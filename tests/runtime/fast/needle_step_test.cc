@@ -238,6 +238,33 @@ TEST(NeedleStep, AnInsertedShaftIsHeldAcross) {
   EXPECT_LT(needle.open_j, 1e-12);
 }
 
+// The force is the gradient of the energy, on a body whose axis leans from its normal.
+TEST(NeedleStep, TheForceIsTheGradientOfItsPotential) {
+  BenchBodyOptions options = layered_options();
+  options.tilt_rad = 0.3;
+  options.wave_m = 0.002;
+  options.friction_min = options.friction_max = 0.5;
+  PunctureRules bone = layered_rules();
+  bone.material[2].membrane_n = std::numeric_limits<double>::infinity();
+  Needle needle(bone, options);
+  needle.aside_m.x() = 1e-4;
+  needle.go_to(0.016, 0.01);
+  ASSERT_EQ(needle.state().needle.active, 0);
+  ASSERT_LT((needle.channel().axis - Eigen::Vector3d::UnitZ()).norm(), 0.5);
+  ASSERT_GT((needle.channel().axis - Eigen::Vector3d::UnitZ()).norm(), 0.02);
+  needle.aside_m.x() = 3e-4;
+  needle.tick();
+  const Eigen::Vector3d x = needle.state().latest.position_m;
+  constexpr double kStepM = 1e-7;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d h = kStepM * Eigen::Vector3d::Unit(i);
+    const double slope =
+        (potential_j(needle.state(), x + h) - potential_j(needle.state(), x - h)) /
+        (2.0 * kStepM);
+    EXPECT_NEAR(needle.force_n()[i], -slope, 1e-5) << i;
+  }
+}
+
 TEST(NeedleStep, WhatCannotBeCutIsFeltAsTheCurve) {
   PunctureRules bone = layered_rules();
   bone.material[2].membrane_n = std::numeric_limits<double>::infinity();
