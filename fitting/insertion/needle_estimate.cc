@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 constexpr double kStepShare = 1e-2;  // [-] of a standard deviation
-const char* const kNotDetermined = "the data do not determine it";
+constexpr const char* kNotDetermined = "the data do not determine it";
 
 // Integral of the normal distribution function from minus infinity to x.
 double integral_of_normal(double x) {

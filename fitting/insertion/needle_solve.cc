@@ -113,7 +113,7 @@ LeastSquaresProblem needle_problem(const SolvedNeedle& now) {
   const Eigen::Index p = model.parameters();
   LeastSquaresProblem problem;
   problem.residuals = static_cast<int>(now.fitted.sample.size());
-  problem.evaluate = [&](const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
+  problem.evaluate = [&](const Eigen::VectorXd& q, const Eigen::Ref<Eigen::VectorXd>& r,
                          RowMajorMatrix* jacobian) {
     model.evaluate(now.fitted.sample, now.fitted.force_n, q, r, jacobian);
     return true;

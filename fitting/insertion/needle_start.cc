@@ -82,7 +82,8 @@ double slope_after_ruptures(const NeedlePath& path, const NeedleSwitches& switch
   double best = 0.0;
   std::size_t most = 0;
   for (std::size_t k = 0; k < switches.ruptures.size(); ++k) {
-    const auto [begin, end] = layer_samples(path, switches, k);
+    const auto samples = layer_samples(path, switches, k);
+    const std::size_t begin = samples.first, end = samples.second;
     if (end > begin + std::max(most, kNeedlePartMin)) {
       most = end - begin;
       const auto cut = [&](const std::vector<double>& values) {

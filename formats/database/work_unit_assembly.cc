@@ -198,6 +198,17 @@ void count_checks(const std::vector<PlaceCheck>& checks, Assembly& assembly) {
   }
 }
 
+// What the scene states of a tool's responses: how they relax, yield and are punctured.
+void take_from_plan(const JobDescription& plan, std::size_t tool,
+                    ResponseTable& table) {
+  if (!plan.puncture.empty()) {
+    table.puncture = plan.puncture[tool];
+  }
+  Viscoelasticity relaxation = plan.relaxation;
+  relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[tool];
+  give_memory(plan.body, plan.normal, relaxation, plan.bundles, table);
+}
+
 }  // namespace
 
 Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> units,
@@ -248,13 +259,7 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     assembly.hard_error_covered =
         std::min(assembly.hard_error_covered, factor.hard.covered);
     complete(plan.force_relative, answers[t], factor, database.tools.back());
-    if (!plan.puncture.empty()) {
-      database.tools.back().puncture = plan.puncture[t];
-    }
-    Viscoelasticity relaxation = plan.relaxation;
-    relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];
-    give_memory(plan.body, plan.normal, relaxation, plan.bundles,
-                database.tools.back());
+    take_from_plan(plan, t, database.tools.back());
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());
