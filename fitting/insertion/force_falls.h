@@ -1,4 +1,4 @@
-// Sudden falls of a force during an insertion: ruptures, told apart from noise.
+// Sudden falls of a force during an insertion: ruptures, separated from noise.
 //
 //   T_m(i) = (mean of F(i-m+1 .. i) - mean of F(i+1 .. i+m)) / s_m,   m = 1, 2, 4, 8
 //

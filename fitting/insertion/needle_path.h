@@ -1,4 +1,4 @@
-// Path of a needle: its insertions and extractions, told apart by direction of motion.
+// Path of a needle: its insertions and extractions, separated by direction of motion.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +45,7 @@ constexpr double kPassShareMin = 0.05;         ///< [-] of the travel
 /// The sign of the force is that of the work of the first insertion.
 /// @throws InputError for unequal counts, a value that is not finite, no travel, and a
 /// file without an insertion of kNeedleSamplesMin samples.
-/// @param frame whose deflection is taken off the depths, after motion was told apart
+/// @param frame whose deflection is taken off the depths, after motion was separated
 /// by those that the machine reports; may be null.
 [[nodiscard]] NeedlePath find_needle_path(const std::vector<Measurement>& files,
                                           const FrameCompliance* frame = nullptr);

@@ -22,7 +22,7 @@ struct SolvedNeedle {
 /// What of a file determines its baseline.
 struct BaselineSamples {
   std::size_t free = 0;  ///< before contact
-  bool drift = false;    ///< whether a drift is told from friction
+  bool drift = false;    ///< whether a drift is separated from friction
 };
 
 /// (files)
@@ -42,7 +42,7 @@ struct BaselineSamples {
                                         const std::vector<RuptureSamples>& ruptures);
 
 /// Of all parameters (p x p), zero for held ones; all NaN where the others cannot be
-/// told apart.
+/// separated.
 [[nodiscard]] Eigen::MatrixXd needle_covariance(const SolvedNeedle& solved);
 
 }  // namespace palpate

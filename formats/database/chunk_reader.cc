@@ -1,7 +1,6 @@
 #include "formats/database/chunk_reader.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -231,18 +230,16 @@ void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
   }
 }
 
-// All of it, rows of all nodes too.
-void read_puncture(Hdf5Reader& file, const DatabaseIndex& index, ToolIndex& tool) {
+void read_puncture(Hdf5Reader& file, std::int64_t nodes, ToolIndex& tool) {
   const std::string group = "/tools/" + tool.tool.name;
   content::exchange_puncture(file, group, tool.puncture);
   by_the_rules(file, [&] {
-    check_puncture(group, tool.puncture, index.node_begin.empty() ? 0 : index.nodes());
+    check_puncture(group, tool.puncture, nodes);
   });
   expect_rows(file, group + "/index/puncture_sha256", tool.puncture_sha256.size(),
               tool.puncture.empty() ? 0 : std::int64_t{kSha256Bytes});
   if (!tool.puncture.empty()) {
-    verify(file, tool.puncture_sha256, 0, puncture_digest(tool.puncture),
-           group + "/puncture");
+    verify(file, tool.puncture_sha256, 0, puncture_digest(tool.puncture), group);
   }
 }
 
@@ -262,11 +259,11 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   }
   content::ReadIndex access{file};
   content::exchange_index(access, index);
+  const std::int64_t nodes = index.node_begin.empty() ? 0 : index.nodes();
   for (ToolIndex& entry : index.tools) {
-    read_viscoelasticity_head(file, "/tools/" + entry.tool.name,
-                              index.node_begin.empty() ? 0 : index.nodes(), entry);
+    read_viscoelasticity_head(file, "/tools/" + entry.tool.name, nodes, entry);
     read_compliance_head(file, index, entry);
-    read_puncture(file, index, entry);
+    read_puncture(file, nodes, entry);
   }
   check_index(file, index);
   const std::string stored = file.remark("/index", "index_sha256");
@@ -370,9 +367,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     });
   }
   part.compliance = compliance(tool, chunk);
-  std::vector<std::int32_t> nodes(static_cast<std::size_t>(part.nodes()));
-  std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(node));
-  part.puncture = rows_of(entry.puncture, nodes);
+  part.puncture = rows_of(entry.puncture, node, part.nodes());
   return part;
 }
 

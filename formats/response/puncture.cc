@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -94,6 +95,12 @@ Puncture rows_of(const Puncture& puncture, std::span<const std::int32_t> nodes) 
   part.layer_depth_m = matrix_rows(puncture.layer_depth_m, nodes);
   part.layer_material = matrix_rows(puncture.layer_material, nodes);
   return part;
+}
+
+Puncture rows_of(const Puncture& puncture, std::int64_t begin, std::int64_t count) {
+  std::vector<std::int32_t> nodes(static_cast<std::size_t>(count));
+  std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(begin));
+  return rows_of(puncture, nodes);
 }
 
 bool same(const Puncture& a, const Puncture& b) {

@@ -53,6 +53,10 @@ struct Puncture {
 [[nodiscard]] Puncture rows_of(const Puncture& puncture,
                                std::span<const std::int32_t> nodes);
 
+/// The same of the rows [begin, begin + count).
+[[nodiscard]] Puncture rows_of(const Puncture& puncture, std::int64_t begin,
+                               std::int64_t count);
+
 /// Whether both hold the same numbers, where NaN is NaN.
 [[nodiscard]] bool same(const Puncture& a, const Puncture& b);
 

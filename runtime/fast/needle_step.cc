@@ -19,22 +19,24 @@ Real axial_n(const PuncturedSurface& s, const Channel& channel) {
   return channel.axis.dot(s.model.response.force_n);
 }
 
-// Least depth of the channel at which the field's force is at most F_c, found by
-// secants within a bracket; most_m where it is larger even there. The model is asked
-// there last.
-Real depth_for(Real cutting_n, const PuncturedSurface& s, Channel& channel,
-               const Vector3& x_m, Real most_m) {
+// Deepens the channel, to most_m at the most, until the field's force is F_c or less.
+// Secants within a bracket find the depth: the force falls as the image recedes. The
+// model is asked there last.
+void deepen(Real cutting_n, const PuncturedSurface& s, Channel& channel,
+            const Vector3& x_m, Real most_m) {
   const auto excess_n = [&](Real depth_m) {
     channel.depth_m = depth_m;
     ask_at(s, channel.image_m(x_m));
     return axial_n(s, channel) - cutting_n;
   };
+  // f(low) > F_c >= f(high)
   Real low_m = channel.depth_m, high_m = most_m;
   Real low_n = axial_n(s, channel) - cutting_n;
   Real high_n = excess_n(high_m);
   const Real enough_m = kRootShare * (high_m - low_m);
-  for (int k = 0; high_n < -kRootShare * cutting_n && high_m - low_m > enough_m; ++k) {
-    // The force falls as the image recedes: f(low) > F_c >= f(high).
+  for (int k = 0;
+       k < kRootSteps && high_n < -kRootShare * cutting_n && high_m - low_m > enough_m;
+       ++k) {
     const Real secant_m = high_m - high_n * (high_m - low_m) / (high_n - low_n);
     const Real next_m = k % 3 != 2 && secant_m > low_m && secant_m < high_m
                             ? secant_m
@@ -42,12 +44,10 @@ Real depth_for(Real cutting_n, const PuncturedSurface& s, Channel& channel,
     const Real next_n = excess_n(next_m);
     (next_n > 0.0 ? low_m : high_m) = next_m;
     (next_n > 0.0 ? low_n : high_n) = next_n;
-    if (k == kRootSteps) {
-      break;
-    }
   }
-  (void)excess_n(high_m);
-  return high_m;
+  if (channel.depth_m != high_m) {
+    (void)excess_n(high_m);
+  }
 }
 
 // The channel grows within its layer, at a fixed tip, until the force is F_c or the
@@ -64,7 +64,7 @@ void cut(const PunctureRules& rules, NeedleState& needle, const PuncturedSurface
   if (!(most_m > before_m)) {
     return;
   }
-  (void)depth_for(force_n, s, channel, x_m, most_m);
+  deepen(force_n, s, channel, x_m, most_m);
   const double freed_j = std::max<double>(0.0, before_j - s.model.response.energy_j);
   const double crack_j =
       std::min<double>(freed_j, force_n * (channel.depth_m - before_m));

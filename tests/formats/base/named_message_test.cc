@@ -7,10 +7,10 @@ namespace {
 
 TEST(NamedMessage, HasTheNameOnce) {
   for (const char* message : {"no numbers", "lab/x.csv: no numbers",
-                              "/home/me/lab/x.csv: no numbers", "x.csv: no numbers"}) {
+                              "/data/lab/x.csv: no numbers", "x.csv: no numbers"}) {
     EXPECT_EQ(with_name("lab/x.csv", message), "lab/x.csv: no numbers") << message;
   }
-  EXPECT_EQ(with_name("lab/x.h5#3", "/home/me/lab/x.h5: no curve"),
+  EXPECT_EQ(with_name("lab/x.h5#3", "/data/lab/x.h5: no curve"),
             "lab/x.h5#3: no curve");
   EXPECT_EQ(without_name("lab/x.csv: column: none", "lab/x.csv"), "column: none");
 }
