@@ -239,7 +239,8 @@ void read_puncture(Hdf5Reader& file, std::int64_t nodes, ToolIndex& tool) {
   expect_rows(file, group + "/index/puncture_sha256", tool.puncture_sha256.size(),
               tool.puncture.empty() ? 0 : std::int64_t{kSha256Bytes});
   if (!tool.puncture.empty()) {
-    verify(file, tool.puncture_sha256, 0, puncture_digest(tool.puncture), group);
+    verify(file, tool.puncture_sha256, 0, puncture_digest(tool.puncture),
+           group + "/puncture");
   }
 }
 
@@ -266,8 +267,7 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     read_puncture(file, nodes, entry);
   }
   check_index(file, index);
-  const std::string stored = file.remark("/index", "index_sha256");
-  if (stored != index_digest(index)) {
+  if (file.remark("/index", "index_sha256") != index_digest(index)) {
     file.fail("the index is damaged: its SHA-256 is not the one it states");
   }
   if (file.has("/measurement")) {
