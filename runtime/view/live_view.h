@@ -23,7 +23,7 @@ namespace palpate {
 /// be recorded and replayed, with the settings of the moment.
 class LiveView : public ViewApplication {
  public:
-  static constexpr std::int64_t kSilentNs = 250'000'000;
+  static constexpr std::int64_t kSilentNs = 1'000'000'000;
   static constexpr std::int64_t kLateNs = 100'000'000;
 
   /// All must outlive the view. @param news of a body whose responses are still to

@@ -52,7 +52,7 @@ class App {
     listen(this);
     requestAnimationFrame(() => this.frame());
     // Not with the frames, which may be rare: a hold that is not said again within
-    // 250 ms is over. A page that hangs says nothing.
+    // a second is over. A page that hangs says nothing.
     setInterval(() => this.holding && this.sendPoint(), 25);
   }
 

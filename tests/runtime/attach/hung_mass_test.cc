@@ -16,11 +16,13 @@
 #include "runtime/attach/calibration.h"
 #include "tests/support/held_falcon.h"
 #include "tests/support/test_data.h"
+#include "tests/support/undisturbed.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kHungMassKg = 0.15;
+constexpr std::array kGains{0.8, 1.25};
 constexpr WeighOptions kQuick{.period_s = 0.5, .periods = 3, .settle_s = 2.4};
 
 // A weak spring from far below pulls like a weight.
@@ -58,17 +60,23 @@ TEST(Weigh, FindsTheFactorThatUndoesTheMotorsGainAndNotTheMechanismsWeight) {
   };
   struct Pair {
     double gain;
-    std::future<Weight> bare, loaded;
+    Weight bare, loaded;
   };
   std::vector<Pair> pairs;
-  for (const double gain : {0.8, 1.25}) {
-    pairs.push_back(
-        {gain, weighing(0.3, gain), weighing(0.3 + kHungMassKg * 9.80665, gain)});
-  }
-  for (Pair& pair : pairs) {
+  undisturbed([&] {
+    pairs.clear();
+    std::vector<std::future<Weight>> bare, loaded;
+    for (const double gain : kGains) {
+      bare.push_back(weighing(0.3, gain));
+      loaded.push_back(weighing(0.3 + kHungMassKg * 9.80665, gain));
+    }
+    for (std::size_t i = 0; i < kGains.size(); ++i) {
+      pairs.push_back({kGains[i], bare[i].get(), loaded[i].get()});
+    }
+  });
+  for (const Pair& pair : pairs) {
     double sd = 0.0;
-    const double factor =
-        factor_of(pair.bare.get(), pair.loaded.get(), kHungMassKg, sd);
+    const double factor = factor_of(pair.bare, pair.loaded, kHungMassKg, sd);
     EXPECT_NEAR(factor * pair.gain, 1.0, 0.02);
     EXPECT_LT(sd, 0.05);
   }

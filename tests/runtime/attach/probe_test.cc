@@ -19,6 +19,7 @@
 #include "runtime/inverse/inverse_link.h"
 #include "tests/support/simulated_link.h"
 #include "tests/support/test_data.h"
+#include "tests/support/undisturbed.h"
 
 namespace palpate {
 namespace {
@@ -277,6 +278,15 @@ ProbeOptions quick(int axis) {
       .rise_n_per_s = 0.15, .wire_s = 0.1, .rounds = 1, .pushes = 8, .axes = {axis}};
 }
 
+ProbeReport probed_on_time(DeviceLink& link, const ProbeOptions& options) {
+  ProbeReport report;
+  MonotonicClock clock;
+  undisturbed([&] {
+    report = probe(link, options, {}, clock);
+  });
+  return report;
+}
+
 TEST(Probe, FindsWhatAnEmulatedInverse3IsLike) {
   Inverse3ModelConfig model{.dynamics = let_go()};
   model.deaf = 0;
@@ -289,8 +299,7 @@ TEST(Probe, FindsWhatAnEmulatedInverse3IsLike) {
   const auto link = EmulatedInverse3::link(
       std::make_shared<EmulatedInverse3>(model, UsbFaults{}), config);
   link->open();
-  MonotonicClock clock;
-  expect_found(probe(*link, quick(0), {}, clock), model.dynamics, 2e-5);
+  expect_found(probed_on_time(*link, quick(0)), model.dynamics, 2e-5);
 }
 
 TEST(Probe, FindsWhatTheEmulatedInverseServicesDeviceIsLike) {
@@ -306,8 +315,7 @@ TEST(Probe, FindsWhatTheEmulatedInverseServicesDeviceIsLike) {
   config.answer_s = 0.1;
   InverseLink link(config);
   link.open();
-  MonotonicClock clock;
-  expect_found(probe(link, quick(1), {}, clock), emulated.dynamics, 5e-5);
+  expect_found(probed_on_time(link, quick(1)), emulated.dynamics, 5e-5);
 }
 
 // Whose step is a count of one leg: from the mechanism's geometry where it stands.
@@ -325,8 +333,7 @@ TEST(Probe, FindsWhatAnEmulated2diyIsLike) {
   ASSERT_TRUE(inverse(model.links, model.start_m.head<2>(), theta));
   ASSERT_TRUE(forward(model.links, theta, pose));
   const double count_rad = 2.0 * std::numbers::pi / HaplySetup{}.counts_per_turn;
-  MonotonicClock clock;
-  expect_found(probe(*link, quick(0), {}, clock), model.dynamics,
+  expect_found(probed_on_time(*link, quick(0)), model.dynamics,
                count_rad * pose.jacobian.colwise().norm().minCoeff());
 }
 

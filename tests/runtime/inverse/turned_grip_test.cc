@@ -13,6 +13,7 @@
 #include "runtime/render/several_contacts.h"
 #include "runtime/run/render_run.h"
 #include "tests/support/padded_plate.h"
+#include "tests/support/undisturbed.h"
 
 namespace palpate {
 namespace {
@@ -80,10 +81,13 @@ TEST(TurnedGrip, TurnsTheToolAndItsForceIsThatOfTheTurnedTool) {
   options.fast_hz = 1000.0;
   options.real_time = true;
   options.limit_stiffness = true;
-  options.attached = grip_that_tilts();
   options.watch_contacts = &watch;
   const std::atomic<bool> stop = false;
-  const SimulationReport report = simulate(database, options, stop);
+  SimulationReport report;
+  undisturbed([&] {
+    options.attached = grip_that_tilts();
+    report = simulate(database, options, stop);
+  });
   ASSERT_EQ(report.render.fault, Fault::kNone) << report.device_failure;
   EXPECT_TRUE(report.device_turns);
   EXPECT_NE(summary(report).find("the grip turns the tool; no motor turns it back"),

@@ -106,9 +106,9 @@ TEST_F(LiveViewTest, LettingGoGivesZeroForce) {
 TEST_F(LiveViewTest, APageThatFallsSilentHasLetGo) {
   view_.opened(1);
   pass(1.0, press_);
-  pass(0.2);
+  pass(0.9);
   EXPECT_TRUE(session_.holding());
-  pass(0.1);
+  pass(0.2);
   EXPECT_FALSE(session_.holding());
   pass(1.0);
   EXPECT_EQ(force_n(), 0.0);
