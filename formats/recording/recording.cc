@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using hdf5::Handle;
 using recording::Column;
 
-constexpr std::size_t kWidest = 4;  // columns of a row
+constexpr std::size_t kWidest = kMostPunctureLayers;  // columns of a row
 
 class Reader {
  public:
@@ -31,8 +31,8 @@ class Reader {
   [[nodiscard]] bool has(const char* name) const {
     return H5Aexists(id_.get(), name) > 0;
   }
-  [[nodiscard]] bool has_surface() const {
-    return hdf5::link_at(id_.get(), "/surface") == hdf5::Link::kHard;
+  [[nodiscard]] bool has_group(const char* path) const {
+    return hdf5::link_at(id_.get(), path) == hdf5::Link::kHard;
   }
   std::string text(const char* name) const;
   std::int64_t integer(const char* name) const;
@@ -334,11 +334,15 @@ Recording read_recording(const fs::path& file) {
   Recording recording;
   recording.header = reader.header();
   recording.ended = reader.has("ended");
-  if (reader.has_surface()) {
-    recording.header.surface =
+  KeptSurface& surface = recording.header.surface;
+  if (reader.has_group("/surface")) {
+    surface.yielded =
         reader.rows<YieldedRow>(recording::surface_columns(recording.header), true);
-    check_yielded(recording.header.surface, fmt::format("{}: /surface", file.string()));
   }
+  if (reader.has_group("/channel")) {
+    surface.channels = reader.rows<ChannelRow>(recording::kChannelColumns, true);
+  }
+  check_kept(surface, fmt::format("{}: /surface", file.string()));
   recording.tick = reader.rows<TickRecord>(recording::tick_columns(recording.header),
                                            recording.ended);
   recording.arrival = reader.rows<ArrivalRecord>(

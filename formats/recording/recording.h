@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "formats/hdf5/hdf5_io.h"
-#include "formats/recording/surface_state.h"
+#include "formats/recording/kept_surface.h"
 
 namespace palpate {
 
-constexpr std::int64_t kRecordingVersion = 4;  ///< readers take 1 to 3, too
+constexpr std::int64_t kRecordingVersion = 5;  ///< readers take 1 to 4, too
 
 /// What a model is called now that a file of a version names. In version 1 "potential"
 /// was the field that is linear over facets.
@@ -123,7 +123,7 @@ struct RecordingHeader {
   double coupling_damper_n_s_per_m = 0.0;
   double coupling_damper_n_m_s = 0.0;
   double coupling_lever_m = 0.0;
-  std::vector<YieldedRow> surface = {};  ///< what had yielded before the first tick
+  KeptSurface surface = {};  ///< what stayed from before the first tick
 };
 
 /// How the recording ended.

@@ -95,6 +95,20 @@ inline constexpr std::array kSurfaceColumns{
 inline constexpr std::array kSurfaceTableColumns{
     Column{"/surface/table", "1", Hdf5Type::kInt32, offsetof(YieldedRow, table), 1}};
 
+/// There only where needles had cut, from version 5 on.
+inline constexpr std::array kChannelColumns{
+    Column{"/channel/entry_m", "m", Hdf5Type::kFloat64, offsetof(ChannelRow, entry_m),
+           3},
+    Column{"/channel/axis", "1", Hdf5Type::kFloat64, offsetof(ChannelRow, axis), 3},
+    Column{"/channel/depth_m", "m", Hdf5Type::kFloat64, offsetof(ChannelRow, depth_m),
+           1},
+    Column{"/channel/layer", "1", Hdf5Type::kInt32, offsetof(ChannelRow, layer), 1},
+    Column{"/channel/layer_depth_m", "m", Hdf5Type::kFloat64,
+           offsetof(ChannelRow, layer_depth_m), kMostPunctureLayers},
+    Column{"/channel/layer_material", "1", Hdf5Type::kInt32,
+           offsetof(ChannelRow, layer_material), kMostPunctureLayers},
+    Column{"/channel/table", "1", Hdf5Type::kInt32, offsetof(ChannelRow, table), 1}};
+
 inline constexpr std::array kTexts{
     TextField{"writer", &RecordingHeader::writer},
     TextField{"database", &RecordingHeader::database},

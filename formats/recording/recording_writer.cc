@@ -211,8 +211,14 @@ class RecordingWriter::File {
         make_column(target_, id_->get(), column);
       }
     }
-    if (!header.surface.empty()) {
-      put_surface(header, create.get());
+    if (!header.surface.yielded.empty()) {
+      put_rows("/surface", recording::surface_columns(header), header.surface.yielded,
+               create.get());
+    }
+    if (!header.surface.channels.empty()) {
+      put_rows("/channel",
+               {recording::kChannelColumns.begin(), recording::kChannelColumns.end()},
+               header.surface.channels, create.get());
     }
     if (H5Fstart_swmr_write(id_->get()) < 0) {
       cannot_write(target_, hdf5::last_failure());
@@ -248,18 +254,18 @@ class RecordingWriter::File {
   }
 
  private:
-  void put_surface(const RecordingHeader& header, hid_t create) {
+  template <typename Row>
+  void put_rows(const char* group, const std::vector<Column>& columns,
+                const std::vector<Row>& rows, hid_t create) {
     {
-      const Handle made(
-          H5Gcreate2(id_->get(), "/surface", H5P_DEFAULT, create, H5P_DEFAULT),
-          H5Gclose);
+      const Handle made(H5Gcreate2(id_->get(), group, H5P_DEFAULT, create, H5P_DEFAULT),
+                        H5Gclose);
     }
-    const std::vector<Column> columns = recording::surface_columns(header);
     for (const Column& column : columns) {
       make_column(target_, id_->get(), column);
     }
-    RecordingTable<YieldedRow> table(target_, id_->get(), columns);
-    table.append(header.surface);
+    RecordingTable<Row> table(target_, id_->get(), columns);
+    table.append(rows);
     table.write();
   }
 

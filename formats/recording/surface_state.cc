@@ -1,7 +1,7 @@
 #include "formats/recording/surface_state.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -22,6 +22,15 @@ struct Columns {
   std::vector<double> softened_m = {};
 };
 
+struct ChannelColumns {
+  RowsOf<double> entry_m = {};
+  RowsOf<double> axis = {};
+  std::vector<double> depth_m = {};
+  std::vector<std::int32_t> layer = {};
+  RowsOf<double> layer_depth_m = {};
+  RowsOf<std::int32_t> layer_material = {};
+};
+
 template <typename File, typename Values>
 void exchange_columns(File& file, const std::string& tool, Values& columns) {
   const std::string group = "/tools/" + tool;
@@ -29,6 +38,22 @@ void exchange_columns(File& file, const std::string& tool, Values& columns) {
   file.dataset(group + "/site", "1", columns.site);
   file.dataset(group + "/dent_m", "m", columns.dent_m);
   file.dataset(group + "/softened_m", "m", columns.softened_m);
+}
+
+std::string channel_group(const std::string& tool) {
+  return "/tools/" + tool + "/channel";
+}
+
+template <typename File, typename Values>
+void exchange_channels(File& file, const std::string& tool, Values& columns) {
+  const std::string group = channel_group(tool);
+  file.group(group);
+  file.dataset(group + "/entry_m", "m", columns.entry_m);
+  file.dataset(group + "/axis", "1", columns.axis);
+  file.dataset(group + "/depth_m", "m", columns.depth_m);
+  file.dataset(group + "/layer", "1", columns.layer);
+  file.dataset(group + "/layer_depth_m", "m", columns.layer_depth_m);
+  file.dataset(group + "/layer_material", "1", columns.layer_material);
 }
 
 template <typename File, typename State>
@@ -54,6 +79,90 @@ std::vector<YieldedRow> rows_of_tool(const Hdf5Reader& file, const std::string& 
   return rows;
 }
 
+Columns columns_of(const std::vector<YieldedRow>& rows) {
+  Columns columns;
+  for (const YieldedRow& row : rows) {
+    columns.site.push_back(row.site);
+    columns.dent_m.push_back(row.dent_m);
+    columns.softened_m.push_back(row.softened_m);
+  }
+  return columns;
+}
+
+template <typename T, std::size_t kWidth>
+void put_row(const std::array<T, kWidth>& from, Eigen::Index i, RowsOf<T>& to) {
+  to.row(i) = Eigen::Map<const Eigen::Matrix<T, 1, Eigen::Dynamic>>(
+      from.data(), 1, static_cast<Eigen::Index>(kWidth));
+}
+
+template <typename T, std::size_t kWidth>
+void get_row(const RowsOf<T>& from, Eigen::Index i, std::array<T, kWidth>& to) {
+  Eigen::Map<Eigen::Matrix<T, 1, Eigen::Dynamic>>(
+      to.data(), 1, static_cast<Eigen::Index>(kWidth)) = from.row(i);
+}
+
+ChannelColumns columns_of(const std::vector<ChannelRow>& rows) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  ChannelColumns columns;
+  columns.entry_m.resize(count, 3);
+  columns.axis.resize(count, 3);
+  columns.layer_depth_m.resize(count, kMostPunctureLayers);
+  columns.layer_material.resize(count, kMostPunctureLayers);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ChannelRow& row = rows[static_cast<std::size_t>(i)];
+    put_row(row.entry_m, i, columns.entry_m);
+    put_row(row.axis, i, columns.axis);
+    columns.depth_m.push_back(row.depth_m);
+    columns.layer.push_back(row.layer);
+    put_row(row.layer_depth_m, i, columns.layer_depth_m);
+    put_row(row.layer_material, i, columns.layer_material);
+  }
+  return columns;
+}
+
+std::vector<ChannelRow> channels_of(const Hdf5Reader& file, const std::string& tool,
+                                    const ChannelColumns& columns) {
+  const auto count = static_cast<Eigen::Index>(columns.depth_m.size());
+  const auto is = [&](const auto& rows, Eigen::Index width) {
+    return rows.rows() == count && (rows.cols() == width || count == 0);
+  };
+  if (static_cast<Eigen::Index>(columns.layer.size()) != count ||
+      !is(columns.entry_m, 3) || !is(columns.axis, 3) ||
+      !is(columns.layer_depth_m, kMostPunctureLayers) ||
+      !is(columns.layer_material, kMostPunctureLayers)) {
+    file.fail(
+        fmt::format("{}: datasets differ in their number of rows, or have no 3 "
+                    "or {} columns",
+                    channel_group(tool), kMostPunctureLayers));
+  }
+  std::vector<ChannelRow> rows(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    get_row(columns.entry_m, i, rows[k].entry_m);
+    get_row(columns.axis, i, rows[k].axis);
+    rows[k].depth_m = columns.depth_m[k];
+    rows[k].layer = columns.layer[k];
+    get_row(columns.layer_depth_m, i, rows[k].layer_depth_m);
+    get_row(columns.layer_material, i, rows[k].layer_material);
+  }
+  return rows;
+}
+
+// Two hands began with the same channels: of one entry and axis, the deeper.
+void put_channel(const ChannelRow& row, std::vector<ChannelRow>& channels) {
+  const auto same =
+      std::find_if(channels.begin(), channels.end(), [&](const ChannelRow& kept) {
+        return kept.entry_m == row.entry_m && kept.axis == row.axis;
+      });
+  if (same == channels.end()) {
+    channels.push_back(row);
+    channels.back().table = 0;
+  } else if (row.depth_m > same->depth_m) {
+    same->depth_m = row.depth_m;
+    same->layer = row.layer;
+  }
+}
+
 }  // namespace
 
 void write_surface_state(const std::filesystem::path& file, const SurfaceState& state) {
@@ -61,7 +170,11 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
   AtomicFile atomic(file);
   Hdf5Writer out;
   out.attribute("/", "format", std::string(kSurfaceFormat));
-  out.attribute("/", "format_version", kSurfaceStateVersion);
+  const bool channels =
+      std::any_of(state.tool.begin(), state.tool.end(), [](const auto& tool) {
+        return !tool.second.channels.empty();
+      });
+  out.attribute("/", "format_version", channels ? kSurfaceStateVersion : 1);
   exchange_head(out, state);
   std::vector<std::string> names;
   for (const auto& [tool, rows] : state.tool) {
@@ -70,13 +183,12 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
   out.group("/tools");
   out.attribute("/tools", "names", join_lines(names));
   for (const auto& [tool, rows] : state.tool) {
-    Columns columns;
-    for (const YieldedRow& row : rows) {
-      columns.site.push_back(row.site);
-      columns.dent_m.push_back(row.dent_m);
-      columns.softened_m.push_back(row.softened_m);
-    }
+    const Columns columns = columns_of(rows.yielded);
     exchange_columns(out, tool, columns);
+    if (!rows.channels.empty()) {
+      const ChannelColumns cut = columns_of(rows.channels);
+      exchange_channels(out, tool, cut);
+    }
   }
   // The digest is of all before; as a remark it is not part of itself.
   out.remark("/", kDigestName, out.digest());
@@ -98,9 +210,9 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
                         format.substr(0, 80), kSurfaceFormat));
   }
   in.attribute("/", "format_version", version);
-  if (version != kSurfaceStateVersion) {
-    in.fail(
-        fmt::format("format version is {}, must be {}", version, kSurfaceStateVersion));
+  if (version < 1 || version > kSurfaceStateVersion) {
+    in.fail(fmt::format("format version is {}, must be 1 to {}", version,
+                        kSurfaceStateVersion));
   }
   SurfaceState state;
   exchange_head(in, state);
@@ -110,8 +222,14 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
   for (const std::string& tool : split_lines(names)) {
     Columns columns;
     exchange_columns(in, tool, columns);
-    state.tool[tool] = rows_of_tool(in, tool, columns);
-    check_yielded(state.tool[tool], fmt::format("{}: /tools/{}", file.string(), tool));
+    KeptSurface& kept = state.tool[tool];
+    kept.yielded = rows_of_tool(in, tool, columns);
+    if (version > 1 && in.has(channel_group(tool))) {
+      ChannelColumns cut;
+      exchange_channels(in, tool, cut);
+      kept.channels = channels_of(in, tool, cut);
+    }
+    check_kept(kept, fmt::format("{}: /tools/{}", file.string(), tool));
   }
   if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");
@@ -131,77 +249,49 @@ SurfaceState read_surface_state(const std::filesystem::path& file,
   return state;
 }
 
-std::vector<YieldedRow> surface_of(const SurfaceState& surface,
-                                   const std::vector<std::string>& tables) {
-  std::vector<YieldedRow> rows;
+KeptSurface surface_of(const SurfaceState& surface,
+                       const std::vector<std::string>& tables) {
+  KeptSurface rows;
   for (std::size_t table = 0; table < tables.size(); ++table) {
     const auto found = surface.tool.find(tables[table]);
     if (found == surface.tool.end()) {
       continue;
     }
-    for (const YieldedRow& row : found->second) {
-      rows.push_back(row);
-      rows.back().table = static_cast<std::int32_t>(table);
-    }
+    const auto add = [table](const auto& from, auto& to) {
+      for (const auto& row : from) {
+        to.push_back(row);
+        to.back().table = static_cast<std::int32_t>(table);
+      }
+    };
+    add(found->second.yielded, rows.yielded);
+    add(found->second.channels, rows.channels);
   }
   return rows;
 }
 
-void put_surface(const std::vector<YieldedRow>& rows,
-                 const std::vector<std::string>& tables, SurfaceState& surface) {
+void put_surface(const KeptSurface& rows, const std::vector<std::string>& tables,
+                 SurfaceState& surface) {
   std::map<std::string, std::map<std::int32_t, YieldedRow>> deepest;
   for (const std::string& table : tables) {
     deepest[table];
+    surface.tool[table] = {};
   }
-  for (const YieldedRow& row : rows) {
-    const std::string& table = tables.at(static_cast<std::size_t>(row.table));
-    YieldedRow& kept = deepest[table][row.site];
+  const auto table_of = [&](const auto& row) -> const std::string& {
+    return tables.at(static_cast<std::size_t>(row.table));
+  };
+  for (const YieldedRow& row : rows.yielded) {
+    YieldedRow& kept = deepest[table_of(row)][row.site];
     kept.site = row.site;
     kept.dent_m = std::max(kept.dent_m, row.dent_m);
     kept.softened_m = std::max(kept.softened_m, row.softened_m);
   }
   for (const auto& [table, sites] : deepest) {
-    std::vector<YieldedRow>& all = surface.tool[table];
-    all.clear();
     for (const auto& [site, row] : sites) {
-      all.push_back(row);
+      surface.tool[table].yielded.push_back(row);
     }
   }
-}
-
-YieldedRow largest_of(const std::vector<YieldedRow>& rows) {
-  YieldedRow largest;
-  for (const YieldedRow& row : rows) {
-    largest.dent_m = std::max(largest.dent_m, row.dent_m);
-    largest.softened_m = std::max(largest.softened_m, row.softened_m);
-  }
-  return largest;
-}
-
-void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where) {
-  std::int32_t before = -1;
-  std::int32_t table = 0;
-  for (const YieldedRow& row : rows) {
-    if (row.table < table) {
-      throw FormatError(fmt::format("{}/table has {} after {}, must rise from 0 on",
-                                    where, row.table, table));
-    }
-    // Sites rise within a table, and begin anew with the next.
-    before = row.table > table ? -1 : before;
-    table = row.table;
-    if (row.site <= before) {
-      throw FormatError(fmt::format("{}/site has {} after {}, must rise from 0 on",
-                                    where, row.site, before));
-    }
-    before = row.site;
-    for (const double depth_m : {row.dent_m, row.softened_m}) {
-      if (!(depth_m >= 0.0) || !std::isfinite(depth_m)) {
-        throw FormatError(
-            fmt::format("{}: site {} has a depth of {} m, must be finite and not "
-                        "negative",
-                        where, row.site, depth_m));
-      }
-    }
+  for (const ChannelRow& row : rows.channels) {
+    put_channel(row, surface.tool[table_of(row)].channels);
   }
 }
 

@@ -1,5 +1,5 @@
-// What of being pressed stays on a body when a run is over: dents and softening at
-// sites of its surface, of each tool. RECORDING.md describes the file.
+// What of being pressed stays on a body when a run is over, of each tool, in a file.
+// RECORDING.md describes it.
 #pragma once
 
 #include <cstdint>
@@ -8,28 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "formats/recording/kept_surface.h"
+
 namespace palpate {
 
-constexpr std::int64_t kSurfaceStateVersion = 1;  ///< readers refuse any other
-
-/// A site of the surface that has yielded.
-struct YieldedRow {
-  std::int32_t site = -1;   ///< number in the database, >= 0
-  double dent_m = 0.0;      ///< [m] >= 0 depth that stays, along the normal
-  double softened_m = 0.0;  ///< [m] >= 0 depth up to which its curve has softened
-  /// Of the tools' tables of responses, one for each radius of each hand's tool; 0 of a
-  /// tool that touches at one place.
-  std::int32_t table = 0;
-
-  [[nodiscard]] bool operator==(const YieldedRow&) const = default;
-};
+/// Readers refuse any later one. Without channels a file is of version 1.
+constexpr std::int64_t kSurfaceStateVersion = 2;
 
 struct SurfaceState {
   std::string writer = {};           ///< tool and version
   std::string database = {};         ///< name of the file, without its folder
   std::string database_sha256 = {};  ///< its content_sha256
   /// By name of the table of responses; sites rise, rows' tables are 0.
-  std::map<std::string, std::vector<YieldedRow>> tool = {};
+  std::map<std::string, KeptSurface> tool = {};
 };
 
 /// Writes it whole or not at all. @throws InputError if the place cannot be written.
@@ -47,20 +38,13 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
 
 /// What tables of responses had left on a surface, each row with its table's place in
 /// `tables`; nothing where one has none there.
-[[nodiscard]] std::vector<YieldedRow> surface_of(
-    const SurfaceState& surface, const std::vector<std::string>& tables);
+[[nodiscard]] KeptSurface surface_of(const SurfaceState& surface,
+                                     const std::vector<std::string>& tables);
 
 /// The other way round, in place of what these tables had. Two hands' tables of one
-/// name have their own dents: the deeper one counts.
-void put_surface(const std::vector<YieldedRow>& rows,
-                 const std::vector<std::string>& tables, SurfaceState& surface);
-
-/// The largest of each depth, of no site in particular; 0 for none.
-[[nodiscard]] YieldedRow largest_of(const std::vector<YieldedRow>& rows);
-
-/// Every row has a table and site of its own and values that are finite and not
-/// negative; they rise.
-/// @param where names them in an error. @throws FormatError
-void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where);
+/// name have their own dents and channels. Of a site, and of channels with one entry
+/// and axis, the deeper one counts.
+void put_surface(const KeptSurface& rows, const std::vector<std::string>& tables,
+                 SurfaceState& surface);
 
 }  // namespace palpate

@@ -28,7 +28,7 @@ void save_surface(const HostBody& body, const HostTool& tool,
   surface.writer = "libpalpate " PALPATE_VERSION;
   surface.database = body.file().filename();
   surface.database_sha256 = database_sha256(body.file());
-  put_surface(tool.yielded(), tool.tables(), surface);
+  put_surface(tool.kept(), tool.tables(), surface);
   write_surface_state(file, surface);
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "formats/recording/surface_state.h"
 #include "runtime/c_api/host_body.h"
 
 namespace palpate {

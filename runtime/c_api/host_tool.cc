@@ -190,8 +190,8 @@ void HostTool::reset() noexcept {
   latest_.write({});
 }
 
-void HostTool::begin_with(const std::vector<YieldedRow>& rows) {
-  body_->begin_with(rows);
+void HostTool::begin_with(const KeptSurface& kept) {
+  body_->begin_with(kept);
   reset();
 }
 

@@ -108,14 +108,14 @@ class HostTool {
   void reset() noexcept;
 
   /// What has yielded. Not while another thread steps.
-  [[nodiscard]] std::vector<YieldedRow> yielded() const { return body_->yielded(); }
+  [[nodiscard]] KeptSurface kept() const { return body_->kept(); }
 
   [[nodiscard]] const std::vector<std::string>& tables() const noexcept {
     return tables_;
   }
 
   /// reset(), on a surface that has yielded so. @throws as RenderedBody::begin_with().
-  void begin_with(const std::vector<YieldedRow>& rows);
+  void begin_with(const KeptSurface& kept);
 
   /// The latest tick; a default one before the first.
   [[nodiscard]] HostTick latest() noexcept;

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/recording/surface_state.h"
 #include "runtime/bench/cylinder_body.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
@@ -137,7 +138,7 @@ void steer(const ViewFlags& flags, const ResponseDatabase& database) {
   session.set({.stiffness_scale = flags.stiffness_scale});
   serve(flags, viewed(flags, session), session);
   if (!flags.surface.out.empty()) {
-    put_surface(session.yielded(), tables, surface);
+    put_surface(session.kept(), tables, surface);
     write_surface_state(flags.surface.out, surface);
   }
 }

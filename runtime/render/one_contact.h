@@ -57,12 +57,8 @@ class OneContact : public RenderedBody {
   void accept(const ArrivalRecord& arrival) override;
   std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
-  void begin_with(const std::vector<YieldedRow>& rows) override {
-    begin_yielded(rows, state_);
-  }
-  [[nodiscard]] std::vector<YieldedRow> yielded() const override {
-    return yielded_rows(state_);
-  }
+  void begin_with(const KeptSurface& kept) override { begin_kept(kept, state_); }
+  [[nodiscard]] KeptSurface kept() const override { return kept_surface(state_); }
   [[nodiscard]] std::vector<SurfaceDent> dents() const override {
     return surface_dents(state_);
   }

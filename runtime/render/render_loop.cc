@@ -177,7 +177,7 @@ class ToolRun {
         std::count_if(dents.begin(), dents.end(), [](const SurfaceDent& dent) {
           return dent.carried_n > 0.0;
         });
-    report.surface = body_.yielded();
+    report.surface = body_.kept();
     report.slow_updates = slow_.updates;
     report.slow_missed_deadlines = slow_.missed_deadlines;
     report.slow_error = slow_.failure;

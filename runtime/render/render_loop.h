@@ -33,7 +33,7 @@ struct RenderSetup {
   Recorder* recorder = nullptr;              ///< records the run
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
-  std::vector<YieldedRow> surface = {};      ///< what had yielded before
+  KeptSurface surface = {};                  ///< what had stayed before
   /// Instead of the stream: tools that touch at several places ...
   RenderedBody* several = nullptr;
   Device* second = nullptr;  ///< ... and the second hand's device, opened likewise

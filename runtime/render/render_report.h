@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "formats/recording/surface_state.h"
+#include "formats/recording/kept_surface.h"
 #include "runtime/contacts/virtual_tool.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/realtime/step_histogram.h"
@@ -71,8 +71,8 @@ struct RenderReport {
   double yielded_j = 0.0;         ///< [J] dissipated by it
   std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
   NeedleReport needle;            ///< of a tool that punctures
-  std::vector<YieldedRow> surface;  ///< what has yielded, at the end
-  double rest_offset_max_m = 0.0;   ///< [m] most that the ledger had to take
+  KeptSurface surface;            ///< what stays of the run for good
+  double rest_offset_max_m = 0.0;  ///< [m] most that the ledger had to take
   std::optional<VirtualToolAccount> coupling = {};  ///< of a tool that hangs by one
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time

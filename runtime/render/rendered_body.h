@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "formats/recording/kept_surface.h"
 #include "formats/recording/recording.h"
-#include "formats/recording/surface_state.h"
 #include "runtime/account/safety.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/device/device.h"
@@ -81,11 +81,10 @@ class RenderedBody {
   /// one had not said anything new.
   virtual std::optional<std::size_t> serve(std::int64_t now_ns) = 0;
 
-  /// Begins with what had yielded; before the first tick. @throws InputError where this
-  /// body does not yield.
-  virtual void begin_with(const std::vector<YieldedRow>& rows) = 0;
-  /// What has yielded, and memory sites that have not recovered yet. Not in a tick.
-  [[nodiscard]] virtual std::vector<YieldedRow> yielded() const { return {}; }
+  /// Begins with what had stayed; before the first tick. @throws as begin_kept().
+  virtual void begin_with(const KeptSurface& kept) = 0;
+  /// What stays for good, and memory sites that have not recovered yet. Not in a tick.
+  [[nodiscard]] virtual KeptSurface kept() const { return {}; }
   [[nodiscard]] virtual std::vector<SurfaceDent> dents() const { return {}; }
 };
 

@@ -104,11 +104,9 @@ class SeveralContacts : public RenderedBody {
   void accept(const ArrivalRecord& arrival) override;
   std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
-  void begin_with(const std::vector<YieldedRow>& rows) override {
-    begin_yielded(rows, state());
-  }
-  [[nodiscard]] std::vector<YieldedRow> yielded() const override {
-    return yielded_rows(storage_.state());
+  void begin_with(const KeptSurface& kept) override { begin_kept(kept, state()); }
+  [[nodiscard]] KeptSurface kept() const override {
+    return kept_surface(storage_.state());
   }
 
  private:

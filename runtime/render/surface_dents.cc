@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/render/kept_channels.h"
 
 namespace palpate {
 
@@ -125,38 +126,46 @@ std::vector<SurfaceDent> surface_dents(const CoupledState& state, int table) {
   return in_order(by_site);
 }
 
-std::vector<YieldedRow> yielded_rows(const FastState& state) {
-  return rows_of(state.memory.yielded, 0);
+KeptSurface kept_surface(const FastState& state) {
+  return {.yielded = rows_of(state.memory.yielded, 0),
+          .channels = channel_rows(state.needle)};
 }
 
-std::vector<YieldedRow> yielded_rows(const CoupledState& state) {
+KeptSurface kept_surface(const CoupledState& state) {
   if (is_alone(state.set)) {
-    return yielded_rows(*state.alone);
+    return kept_surface(*state.alone);
   }
-  std::vector<YieldedRow> all;
+  KeptSurface kept;
+  std::vector<YieldedRow>& all = kept.yielded;
   for (int table = 0; first_of(state.set, table) >= 0; ++table) {
     const SurfaceMemory& memory = state.surfaces[first_of(state.set, table)].memory;
     const std::vector<YieldedRow> some = rows_of(yielded_of(memory), table);
     all.insert(all.end(), some.begin(), some.end());
   }
-  return all;
+  return kept;
 }
 
-void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state) {
-  check_tables(rows, 1);
-  state.memory.yielded = *sites_of(rows, 0);
+void begin_kept(const KeptSurface& kept, FastState& state) {
+  check_tables(kept.yielded, 1);
+  const std::unique_ptr<YieldedSites> sites = sites_of(kept.yielded, 0);
+  begin_channels(kept.channels, state.config.puncture, state.needle);
+  state.memory.yielded = *sites;
 }
 
-void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state) {
+void begin_kept(const KeptSurface& kept, CoupledState& state) {
   if (is_alone(state.set)) {
-    begin_yielded(rows, *state.alone);
+    begin_kept(kept, *state.alone);
     return;
+  }
+  if (!kept.channels.empty()) {
+    throw InputError(
+        "a surface with a needle's channels: a tool of several contacts has none");
   }
   std::vector<std::unique_ptr<YieldedSites>> tables;
   for (int table = 0; first_of(state.set, table) >= 0; ++table) {
-    tables.push_back(sites_of(rows, table));
+    tables.push_back(sites_of(kept.yielded, table));
   }
-  check_tables(rows, static_cast<int>(tables.size()));
+  check_tables(kept.yielded, static_cast<int>(tables.size()));
   for (std::size_t table = 0; table < tables.size(); ++table) {
     const int i = first_of(state.set, static_cast<int>(table));
     yielded_of(state.surfaces[i].memory) = *tables[table];

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "formats/recording/surface_state.h"
+#include "formats/recording/kept_surface.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/fast/fast_step.h"
 
@@ -28,14 +28,14 @@ struct SurfaceDent {
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const CoupledState& state,
                                                      int table);
 
-/// What has yielded, by table and site.
-[[nodiscard]] std::vector<YieldedRow> yielded_rows(const FastState& state);
-[[nodiscard]] std::vector<YieldedRow> yielded_rows(const CoupledState& state);
+/// What stays for good.
+[[nodiscard]] KeptSurface kept_surface(const FastState& state);
+[[nodiscard]] KeptSurface kept_surface(const CoupledState& state);
 
-/// What had yielded takes the place of what has in the state; nothing else changes.
-/// @throws InputError for more sites than a state holds, or a table that it does not
-/// have; it is as it was then.
-void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state);
-void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state);
+/// What had stayed takes the place of what stays in the state; nothing else changes.
+/// @throws InputError for more sites or channels than a state holds, for a table that
+/// it does not have, or for channels of a tool that is no needle; it is as it was then.
+void begin_kept(const KeptSurface& kept, FastState& state);
+void begin_kept(const KeptSurface& kept, CoupledState& state);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/recording/surface_state.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {

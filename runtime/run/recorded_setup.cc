@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/recording/surface_state.h"
 #include "runtime/render/one_contact.h"
 #include "runtime/render/several_contacts.h"
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "formats/recording/surface_state.h"
 #include "runtime/account/local_model.h"
 #include "runtime/attach/device_factory.h"
 #include "runtime/device/link_report.h"

@@ -73,7 +73,7 @@ nlohmann::json needle_json(const NeedleReport& n) {
 
 // What the surface remembers, for a while and for good.
 nlohmann::json memory_json(const RenderReport& r) {
-  const YieldedRow largest = largest_of(r.surface);
+  const YieldedRow largest = largest_of(r.surface.yielded);
   return {{"relaxes", r.relaxes},
           {"carried_max_n", r.carried_max_n},
           {"carried_of_n", r.carried_of_n},
@@ -81,7 +81,7 @@ nlohmann::json memory_json(const RenderReport& r) {
           {"forgotten", r.forgotten},
           {"yields", r.yields},
           {"yielded_j", r.yielded_j},
-          {"yielded_sites", r.surface.size()},
+          {"yielded_sites", r.surface.yielded.size()},
           {"largest_dent_m", largest.dent_m},
           {"softened_m", largest.softened_m},
           {"not_yielded", r.not_yielded}};

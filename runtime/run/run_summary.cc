@@ -96,15 +96,16 @@ std::string yielding_lines(const SimulationReport& report) {
   if (!r.yields) {
     return {};
   }
-  const YieldedRow largest = largest_of(r.surface);
-  std::string text = line(
-      "yielding",
-      fmt::format("{} sites have yielded, dents of at most {:.4g} mm, "
-                  "softened up to {:.4g} mm{}",
-                  r.surface.size(), largest.dent_m * 1e3, largest.softened_m * 1e3,
-                  follows_surface(report.options.model)
-                      ? fmt::format(", {:.4g} mJ dissipated by it", r.yielded_j * 1e3)
-                      : std::string()));
+  const YieldedRow largest = largest_of(r.surface.yielded);
+  std::string text =
+      line("yielding",
+           fmt::format(
+               "{} sites have yielded, dents of at most {:.4g} mm, "
+               "softened up to {:.4g} mm{}",
+               r.surface.yielded.size(), largest.dent_m * 1e3, largest.softened_m * 1e3,
+               follows_surface(report.options.model)
+                   ? fmt::format(", {:.4g} mJ dissipated by it", r.yielded_j * 1e3)
+                   : std::string()));
   if (r.not_yielded > 0) {
     text += line("  without room",
                  fmt::format("{} times a site stayed as it was, because the table of "
@@ -121,8 +122,9 @@ std::string needle_lines(const RenderReport& r) {
     return {};
   }
   std::string text =
-      line("needle", fmt::format("{} membranes broken, {} channels, {:.4g} mm deep",
-                                 n.broken, n.channels, n.deepest_m * 1e3)) +
+      line("needle", fmt::format("{} membrane{} broken, {} channel{}, {:.4g} mm deep",
+                                 n.broken, n.broken == 1 ? "" : "s", n.channels,
+                                 n.channels == 1 ? "" : "s", n.deepest_m * 1e3)) +
       line("  its work",
            fmt::format("{:.4g} mJ cut, {:.4g} mJ released, {:.4g} mJ along the shaft",
                        n.crack_j * 1e3, n.released_j * 1e3, n.shaft_j * 1e3));

@@ -9,7 +9,7 @@ namespace palpate {
 
 SteeredContact::SteeredContact(const ResponseDatabase& database,
                                const ResponseTable& table, const FastConfig& config,
-                               std::vector<YieldedRow> surface, ElementSender* growing)
+                               KeptSurface surface, ElementSender* growing)
     : database_(database),
       table_(table),
       config_(config),

@@ -18,8 +18,7 @@ class SteeredContact : public SteeredBody {
   /// All must outlive it; `table` is of the database. @param growing elements of a body
   /// whose responses are not in the database; null: they are.
   SteeredContact(const ResponseDatabase& database, const ResponseTable& table,
-                 const FastConfig& config, std::vector<YieldedRow> surface,
-                 ElementSender* growing);
+                 const FastConfig& config, KeptSurface surface, ElementSender* growing);
 
   void begin() override;
   [[nodiscard]] RenderedBody& rendered() override { return *body_; }
@@ -36,7 +35,7 @@ class SteeredContact : public SteeredBody {
   const ResponseDatabase& database_;
   const ResponseTable& table_;
   FastConfig config_;
-  std::vector<YieldedRow> surface_;
+  KeptSurface surface_;
   ElementStream stream_;
   AdjustedStream adjusted_;
   ViewDents dents_;

@@ -31,8 +31,7 @@ PortWrenches sum_of(CoupledField& field, const CoupledState& state) {
 
 SteeredContacts::SteeredContacts(const ResponseDatabase& database,
                                  const std::vector<const ResponseTable*>& tools,
-                                 const FastConfig& config,
-                                 std::vector<YieldedRow> surface)
+                                 const FastConfig& config, KeptSurface surface)
     : database_(database),
       config_(config),
       surface_(std::move(surface)),

@@ -23,7 +23,7 @@ class SteeredContacts : public SteeredBody {
   /// coupled_set().
   SteeredContacts(const ResponseDatabase& database,
                   const std::vector<const ResponseTable*>& tools,
-                  const FastConfig& config, std::vector<YieldedRow> surface);
+                  const FastConfig& config, KeptSurface surface);
 
   void begin() override;
   [[nodiscard]] RenderedBody& rendered() override { return *body_; }
@@ -49,7 +49,7 @@ class SteeredContacts : public SteeredBody {
 
   const ResponseDatabase& database_;
   FastConfig config_;
-  std::vector<YieldedRow> surface_;
+  KeptSurface surface_;
   std::vector<ViewDents> dents_;  // of each radius of each tool
   std::shared_ptr<AdjustedContacts> adjusted_;
   std::unique_ptr<SeveralContacts> body_;

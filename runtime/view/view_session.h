@@ -35,7 +35,7 @@ struct ViewSessionOptions {
   double slow_hz = 100.0;    ///< [Hz] [1, fast_hz]
   double force_max_n = 8.0;  ///< [N] > 0
   SimulatedDeviceConfig device = {};
-  std::vector<YieldedRow> surface = {};  ///< what had yielded before
+  KeptSurface surface = {};  ///< what had stayed before
   /// Elements of a body whose responses are not in the database; outlives the session.
   ElementSender* growing = nullptr;
 };
@@ -85,9 +85,7 @@ class ViewSession {
   [[nodiscard]] ViewFrame frame();
 
   /// What has yielded until now.
-  [[nodiscard]] std::vector<YieldedRow> yielded() const {
-    return body_->rendered().yielded();
-  }
+  [[nodiscard]] KeptSurface kept() const { return body_->rendered().kept(); }
 
   /// All ticks since the last call, at most the kTicksKept latest.
   [[nodiscard]] std::vector<TickRecord> take_ticks();

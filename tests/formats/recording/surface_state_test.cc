@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <span>
 
 #include <gtest/gtest.h>
@@ -21,9 +22,26 @@ SurfaceState state() {
   return {.writer = "palpate-run 0.1.0",
           .database = "organ.h5",
           .database_sha256 = std::string(64, 'a'),
-          .tool = {{"ball", {{0, 0.001, 0.003}, {7, 0.0, 0.002}}},
-                   {"a tip", {{2'000'000'000, 1.0 / 3.0, 0.0}}},
+          .tool = {{"ball", {.yielded = {{0, 0.001, 0.003}, {7, 0.0, 0.002}}}},
+                   {"a tip", {.yielded = {{2'000'000'000, 1.0 / 3.0, 0.0}}}},
                    {"unused", {}}}};
+}
+
+ChannelRow channel(double x_m, double depth_m) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  return {.entry_m = {x_m, 1.0 / 3.0, -0.02},
+          .axis = {0.6, 0.0, 0.8},
+          .depth_m = depth_m,
+          .layer = 1,
+          .layer_depth_m = {0.0, 0.002, 0.01, kNone, kNone, kNone},
+          .layer_material = {2, 0, 7, -1, -1, -1}};
+}
+
+SurfaceState punctured() {
+  SurfaceState with = state();
+  with.tool["ball"].channels = {channel(0.1, 0.005), channel(0.2, 0.004)};
+  with.tool["a needle"].channels = {channel(0.3, 0.0)};
+  return with;
 }
 
 TEST(SurfaceStateFile, ReadsWhatWasWritten) {
@@ -35,6 +53,66 @@ TEST(SurfaceStateFile, ReadsWhatWasWritten) {
   EXPECT_EQ(read.tool, state().tool);
   EXPECT_EQ(read_surface_state(folder / "s.h5", std::string(64, 'a'), "organ.h5").tool,
             state().tool);
+}
+
+TEST(SurfaceStateFile, ReadsTheChannelsThatWereWritten) {
+  const ScratchFolder folder;
+  write_surface_state(folder / "s.h5", punctured());
+  EXPECT_EQ(read_surface_state(folder / "s.h5").tool, punctured().tool);
+  EXPECT_NE(punctured().tool, state().tool);
+}
+
+TEST(SurfaceStateFile, BrokenChannelsAreRefused) {
+  const ScratchFolder folder;
+  const auto said = [&](auto breaks) {
+    SurfaceState broken = punctured();
+    breaks(broken.tool["ball"].channels[1]);
+    write_surface_state(folder / "s.h5", broken);
+    return refusal([&] {
+      (void)read_surface_state(folder / "s.h5");
+    });
+  };
+  EXPECT_EQ(said([](ChannelRow&) {}), "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.depth_m = -1e-9;
+            }).find("/tools/ball: channel 1 has a depth of -1e-09 m"),
+            std::string::npos);
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.axis[2] = 0.81;
+            }).find("must be finite and a unit vector"),
+            std::string::npos);
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.entry_m[0] = std::nan("");
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer = 3;
+            }).find("the tip in layer 3"),
+            std::string::npos);
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer = -1;
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer_depth_m[0] = 1e-3;
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer_depth_m[2] = 0.002;
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer_material[1] = -1;
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer_material[2] = 8;
+            }),
+            "");
+  EXPECT_NE(said([](ChannelRow& c) {
+              c.layer_material[4] = 1;
+            }),
+            "");
 }
 
 TEST(SurfaceStateFile, OfAnotherBodyIsRefusedByName) {
@@ -53,7 +131,7 @@ TEST(SurfaceStateFile, BrokenRowsAreRefused) {
   const ScratchFolder folder;
   const auto said = [&](const YieldedRow& row) {
     SurfaceState broken = state();
-    broken.tool["ball"].push_back(row);
+    broken.tool["ball"].yielded.push_back(row);
     write_surface_state(folder / "s.h5", broken);
     return refusal([&] {
       (void)read_surface_state(folder / "s.h5");
@@ -70,19 +148,43 @@ TEST(SurfaceStateFile, BrokenRowsAreRefused) {
 // Rows of tables by name, and back: two hands' tables of one name are one there.
 TEST(SurfaceState, IsThatOfEachTableOfResponses) {
   const std::vector<std::string> hands{"ball", "new", "ball"};
-  const std::vector<YieldedRow> rows = surface_of(state(), hands);
+  const std::vector<YieldedRow> rows = surface_of(state(), hands).yielded;
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[1], (YieldedRow{7, 0.0, 0.002, 0}));
   EXPECT_EQ(rows[3], (YieldedRow{7, 0.0, 0.002, 2}));
   SurfaceState pressed = state();
-  put_surface({{3, 0.5, 0.1, 0}, {7, 0.1, 0.3, 0}, {4, 0.2, 0.0, 1}, {7, 0.2, 0.1, 2}},
+  put_surface({.yielded = {{3, 0.5, 0.1, 0},
+                           {7, 0.1, 0.3, 0},
+                           {4, 0.2, 0.0, 1},
+                           {7, 0.2, 0.1, 2}}},
               hands, pressed);
-  EXPECT_EQ(pressed.tool["ball"],
+  EXPECT_EQ(pressed.tool["ball"].yielded,
             (std::vector<YieldedRow>{{3, 0.5, 0.1}, {7, 0.2, 0.3}}));
-  EXPECT_EQ(pressed.tool["new"], (std::vector<YieldedRow>{{4, 0.2, 0.0}}));
+  EXPECT_EQ(pressed.tool["new"].yielded, (std::vector<YieldedRow>{{4, 0.2, 0.0}}));
   EXPECT_EQ(pressed.tool["a tip"], state().tool["a tip"]);
   put_surface({}, hands, pressed);
   EXPECT_TRUE(pressed.tool["ball"].empty());
+}
+
+// Both hands began with one channel; one went on, and cut another.
+TEST(SurfaceState, OfOneChannelTheDeeperCounts) {
+  const std::vector<std::string> hands{"ball", "ball"};
+  const KeptSurface rows = surface_of(punctured(), hands);
+  ASSERT_EQ(rows.channels.size(), 4U);
+  EXPECT_EQ(rows.channels[3].table, 1);
+  KeptSurface after = rows;
+  after.channels[3].depth_m = 0.02;
+  after.channels[3].layer = 2;
+  after.channels.push_back(channel(0.4, 0.001));
+  after.channels.back().table = 1;
+  SurfaceState state = punctured();
+  put_surface(after, hands, state);
+  ChannelRow deeper = channel(0.2, 0.02);
+  deeper.layer = 2;
+  EXPECT_EQ(
+      state.tool["ball"].channels,
+      (std::vector<ChannelRow>{channel(0.1, 0.005), deeper, channel(0.4, 0.001)}));
+  EXPECT_EQ(state.tool["a needle"], punctured().tool["a needle"]);
 }
 
 TEST(SurfaceStateFile, ForeignAndDamagedFilesAreRefused) {
@@ -119,8 +221,9 @@ TEST(SurfaceStateFile, ARecordingHoldsWhatTheSurfaceWas) {
                          .fast_hz = 2000.0,
                          .slow_hz = 100.0};
   for (std::int32_t i = 0; i < 1500; ++i) {
-    header.surface.push_back({2 * i, 1e-6 * i, 2e-6 * i});
+    header.surface.yielded.push_back({2 * i, 1e-6 * i, 2e-6 * i});
   }
+  header.surface.channels = punctured().tool["ball"].channels;
   RecordingWriter writer(folder / "a.h5", header);
   const TickRecord tick{};
   writer.append(std::span(&tick, 1));
@@ -131,19 +234,19 @@ TEST(SurfaceStateFile, ARecordingHoldsWhatTheSurfaceWas) {
   EXPECT_EQ(read_recording(folder / "cut.h5").header.surface, header.surface);
   // Of several tables, each has its own sites.
   header.poses = 1.0;
-  header.surface = {{4, 0.1, 0.2, 0}, {9, 0.0, 0.1, 0}, {4, 0.3, 0.0, 2}};
+  header.surface = {.yielded = {{4, 0.1, 0.2, 0}, {9, 0.0, 0.1, 0}, {4, 0.3, 0.0, 2}}};
   RecordingWriter several(folder / "b.h5", header);
   several.finish({});
   EXPECT_EQ(read_recording(folder / "b.h5").header.surface, header.surface);
   for (const YieldedRow& broken : {YieldedRow{4, 0.1, 0.1, 2}, {5, 0.1, 0.1, 1}}) {
-    header.surface.push_back(broken);
+    header.surface.yielded.push_back(broken);
     RecordingWriter other(folder / "c.h5", header);
     other.finish({});
     EXPECT_NE(refusal([&] {
                 (void)read_recording(folder / "c.h5");
               }),
               "");
-    header.surface.pop_back();
+    header.surface.yielded.pop_back();
   }
 }
 

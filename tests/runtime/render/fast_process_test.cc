@@ -45,7 +45,7 @@ class RubbedBody : public RenderedBody {
   [[nodiscard]] FastContact contact() const noexcept override { return {}; }
   void accept(const ArrivalRecord& /*arrival*/) override {}
   std::optional<std::size_t> serve(std::int64_t /*now_ns*/) override { return {}; }
-  void begin_with(const std::vector<YieldedRow>& /*rows*/) override {}
+  void begin_with(const KeptSurface& /*kept*/) override {}
 
  private:
   double last_m_ = 0.0;

@@ -214,22 +214,24 @@ TEST_F(SeveralContactsRun, RefuseACouplingThatIsNotValid) {
 // A new run on the same body: all but what has yielded is forgotten.
 TEST_F(SeveralContactsRun, KeepWhatHasYielded) {
   SeveralContacts body(database_, pads_, potential().fast.fast);
-  const std::vector<YieldedRow> rows{{3, 1e-4, 0.0, 0}, {9, 0.0, 2e-4, 0}};
+  const KeptSurface rows{.yielded = {{3, 1e-4, 0.0, 0}, {9, 0.0, 2e-4, 0}}};
   body.begin_with(rows);
-  EXPECT_EQ(body.yielded(), rows);
+  EXPECT_EQ(body.kept(), rows);
   body.restart();
-  EXPECT_EQ(body.yielded(), rows);
+  EXPECT_EQ(body.kept(), rows);
   body.begin_with({});
-  EXPECT_TRUE(body.yielded().empty());
+  EXPECT_TRUE(body.kept().empty());
   // More than there is room for: nothing changes.
   body.begin_with(rows);
-  std::vector<YieldedRow> many;
+  KeptSurface many;
   for (std::int32_t site = 0; site <= kYieldedSites; ++site) {
-    many.push_back({site, 1e-4, 0.0, 0});
+    many.yielded.push_back({site, 1e-4, 0.0, 0});
   }
   EXPECT_THROW(body.begin_with(many), InputError);
-  EXPECT_THROW(body.begin_with({{3, 1e-4, 0.0, 1}}), InputError);  // of one table
-  EXPECT_EQ(body.yielded(), rows);
+  EXPECT_THROW(body.begin_with({.yielded = {{3, 1e-4, 0.0, 1}}}),
+               InputError);  // of one table
+  EXPECT_THROW(body.begin_with({.channels = {ChannelRow{}}}), InputError);
+  EXPECT_EQ(body.kept(), rows);
 }
 
 // What the slow process had sent is sent at once again.

@@ -163,10 +163,59 @@ TEST_F(Replay, ReproducesARunThatBeginsWithDents) {
       EXPECT_GE(second.render.model_work_j, 0.0);
     }
     // On a fresh surface the same way gives other forces.
-    recording.header.surface.clear();
+    recording.header.surface = {};
     EXPECT_FALSE(replay(recording, read_database(file_)).is_reproduced())
         << name(model);
   }
+}
+
+// Skin of a weak body, over something that the needle does not reach.
+Puncture thin_skin() {
+  Puncture p{.rule = "force",
+             .material = {"skin"},
+             .membrane_n = {0.1},
+             .cutting_n = {0.05},
+             .friction_n_per_m = {5.0},
+             .static_ratio = {1.2},
+             .toughness_j_per_m2 = {100.0},
+             .edge_width_m = 5e-4,
+             .shaft_n_per_m = 100.0,
+             .lateral_n_per_m2 = 1e3,
+             .mouth_m = 2e-3,
+             .rupture = {0.1}};
+  p.layer_depth_m = RowsOf<double>::Zero(1, 1);
+  p.layer_material = RowsOf<std::int32_t>::Zero(1, 1);
+  return p;
+}
+
+// The second insertion finds the channel of the first: nothing breaks, nothing is cut.
+TEST_F(Replay, ReproducesARunThatBeginsWithAChannel) {
+  database_.tools[0].puncture = thin_skin();
+  write_database(file_, database_);
+  SimulationOptions o = options(LocalModel::kPotential);
+  const SimulationReport first = simulate(database_, o, stop_);
+  EXPECT_TRUE(replay(read_recording(recording_), read_database(file_)).is_reproduced());
+  ASSERT_GT(first.render.needle.broken, 0U);
+  ASSERT_EQ(first.render.surface.channels.size(), 1U);
+  EXPECT_EQ(first.render.surface.channels[0].depth_m, first.render.needle.deepest_m);
+  EXPECT_TRUE(first.render.surface.yielded.empty());
+
+  o.surface.tool[first.tool] = first.render.surface;
+  const SimulationReport second = simulate(database_, o, stop_);
+  EXPECT_EQ(second.render.needle.broken, 0U);
+  EXPECT_LT(second.render.needle.crack_j, 0.05 * first.render.needle.crack_j);
+  EXPECT_GT(second.render.needle.shaft_j, 0.2 * first.render.needle.shaft_j);
+  EXPECT_GE(second.render.lowest_work_j, -1e-12);
+  Recording recording = read_recording(recording_);
+  EXPECT_EQ(recording.header.surface, first.render.surface);
+  const ReplayReport report = replay(recording, read_database(file_));
+  EXPECT_TRUE(report.is_reproduced()) << report.different_in;
+  // Without the channel the needle would have to break in.
+  recording.header.surface = {};
+  EXPECT_FALSE(replay(recording, read_database(file_)).is_reproduced());
+  // What the tool does not puncture, no channel can go through.
+  o.surface.tool[first.tool].channels[0].layer_material[0] = 1;
+  EXPECT_THROW((void)simulate(database_, o, stop_), InputError);
 }
 
 TEST_F(Replay, AStreamedBodyYieldsAsOneInMemoryDoes) {

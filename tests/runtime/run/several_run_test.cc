@@ -83,7 +83,7 @@ TEST_F(ContactRuns, BeginWithADentedSurface) {
     Recording recording;
     EXPECT_TRUE(replayed(o, recording).is_reproduced());
     const SimulationReport first = last_;
-    const std::vector<YieldedRow>& rows = first.render.surface;
+    const std::vector<YieldedRow>& rows = first.render.surface.yielded;
     EXPECT_EQ(first.tables, hands ? std::vector<std::string>({"ball", "ball"})
                                   : std::vector<std::string>({"pads"}));
     for (std::int32_t table = 0; table < (hands ? 2 : 1); ++table) {
@@ -91,7 +91,7 @@ TEST_F(ContactRuns, BeginWithADentedSurface) {
         return row.table == table && row.dent_m > 1e-4;
       })) << table;
     }
-    put_surface(rows, first.tables, o.surface);
+    put_surface(first.render.surface, first.tables, o.surface);
     EXPECT_EQ(o.surface.tool.size(), 1U);
     EXPECT_TRUE(replayed(o, recording).is_reproduced());
     EXPECT_EQ(recording.header.surface, surface_of(o.surface, first.tables));
@@ -100,7 +100,7 @@ TEST_F(ContactRuns, BeginWithADentedSurface) {
     // Each table by itself counts.
     for (std::int32_t table = 0; table < (hands ? 2 : 1); ++table) {
       Recording other = recording;
-      std::erase_if(other.header.surface, [&](const YieldedRow& row) {
+      std::erase_if(other.header.surface.yielded, [&](const YieldedRow& row) {
         return row.table == table;
       });
       EXPECT_FALSE(replay(other, database_).is_reproduced()) << table;

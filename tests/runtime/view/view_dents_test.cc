@@ -97,7 +97,7 @@ TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
   session.advance(20000);
   EXPECT_EQ(session.frame().dents.size(), dents.size());
   // A session of its own begins where this one ended.
-  ViewSession next(database, {.surface = session.yielded()});
+  ViewSession next(database, {.surface = session.kept()});
   EXPECT_EQ(next.frame().dents.size(), dents.size());
   next.reset();
   EXPECT_EQ(next.frame().dents.size(), dents.size());
