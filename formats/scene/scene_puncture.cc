@@ -53,6 +53,10 @@ SceneNeedle read_needle(const SceneSection& section) {
                      .edge_width_m = section.number("edge_width_m", kPositive)};
   needle.press_radius_m =
       section.number_or(needle.radius_m, "press_radius_m", kPositive);
+  if (needle.press_radius_m < needle.radius_m) {
+    section.fail("press_radius_m is {} m, must be at least radius_m, {} m",
+                 needle.press_radius_m, needle.radius_m);
+  }
   needle.mouth_m = needle.radius_m;
   if (section.find("puncture") != nullptr) {
     const SceneSection keys = section.table("puncture", kHeldKeys);

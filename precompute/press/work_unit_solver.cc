@@ -6,6 +6,7 @@
 
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/cluster.h"
+#include "precompute/press/needle_curve.h"
 
 namespace palpate {
 namespace {
@@ -150,6 +151,22 @@ std::vector<WorkUnit> checks_of(const Scene& scene, const BodySource& body,
   return checks;
 }
 
+// Needles were pressed as balls.
+void sharpen_needles(const Scene& scene, const BodySource& body,
+                     std::vector<WorkUnitNode>& nodes) {
+  for (WorkUnitNode& node : nodes) {
+    const auto tool = static_cast<std::size_t>(node.tool);
+    if (tool >= scene.tool_needle.size()) {
+      continue;
+    }
+    if (const auto& needle = scene.tool_needle[tool]) {
+      sharpen(tissue_at(body, node.vertex), needle->radius_m, needle->press_radius_m,
+              node.response);
+      fail_if_broken(node);
+    }
+  }
+}
+
 }  // namespace
 
 double check_times_finer(const PressStrategy& strategy, const SurfacePoint& place) {
@@ -203,7 +220,9 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
                            const PressStrategy& strategy, const SceneSolver& solver,
                            const WorkUnit& unit, bool solve_all) {
   if (unit.is_check) {
-    return solve_check(scene, body, strategy, solver, unit);
+    WorkUnitOutcome check = solve_check(scene, body, strategy, solver, unit);
+    sharpen_needles(scene, body, check.node);
+    return check;
   }
   WorkUnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
@@ -225,6 +244,7 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
     }
     cluster.answer(static_cast<std::int32_t>(t), outcome.node);
   }
+  sharpen_needles(scene, body, outcome.node);
   return outcome;
 }
 

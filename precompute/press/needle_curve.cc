@@ -1,0 +1,74 @@
+#include "precompute/press/needle_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/material/material.h"
+#include "precompute/press/node_yielding.h"
+
+namespace palpate {
+namespace {
+
+// Below the surface of a vertex [m], to be in its tissue.
+constexpr double kBelowM = 1e-5;
+
+}  // namespace
+
+double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force_n) {
+  if (!(force_n > 0.0)) {
+    return 0.0;
+  }
+  const double plane_pa =
+      tissue.youngs_modulus_pa / (1.0 - tissue.poissons_ratio * tissue.poissons_ratio);
+  const double wanted = force_n / (plane_pa * radius_m * radius_m);
+  // (1 + tanh^2 t) t - tanh t is (4/3) t^3 for small t and 2 t - 1 for large t. It is
+  // convex, and Newton from above falls to the root.
+  double t = std::max(std::cbrt(0.75 * wanted), 0.5 * (wanted + 1.0));
+  for (int i = 0; i < 60; ++i) {
+    const double s = std::tanh(t);
+    const double slope = s * s + 2.0 * t * s * (1.0 - s * s) + s * s;
+    const double step = ((1.0 + s * s) * t - s - wanted) / slope;
+    t -= step;
+    if (!(std::abs(step) > 1e-14 * t)) {
+      break;
+    }
+  }
+  return radius_m * t * std::tanh(t);
+}
+
+void sharpen(const TipTissue& tissue, double radius_m, double ball_m,
+             NodeResponse& response) {
+  if (response.depth_m.empty() || radius_m == ball_m) {
+    return;
+  }
+  const double ball_end_m = response.depth_m.back();
+  double more_m = 0.0;
+  double part = 0.0;
+  for (std::size_t k = 0; k < response.depth_m.size(); ++k) {
+    // Where the force falls, the tip has lost a part of its contact: it stays sunk in.
+    more_m =
+        std::max(more_m, linear_tip_depth_m(tissue, radius_m, response.force_n[k]) -
+                             linear_tip_depth_m(tissue, ball_m, response.force_n[k]));
+    response.depth_m[k] += more_m;
+    if (response.depth_m[k] > 0.0) {
+      part = std::max(part, more_m / response.depth_m[k]);
+    }
+  }
+  if (response.tilt) {
+    response.tilt->by_depth_per_m *= ball_end_m / response.depth_m.back();
+  }
+  response.error_relative = std::hypot(response.error_relative, kSharpenError * part);
+}
+
+TipTissue tissue_at(const BodySource& body, std::int32_t vertex) {
+  const Eigen::Vector3d below_m = body.surface.position_m.row(vertex).transpose() -
+                                  kBelowM * body.normal.row(vertex).transpose();
+  const Material& material =
+      body.material[static_cast<std::size_t>(region_of(body, below_m))];
+  const double e_pa = small_youngs_modulus_pa(material);
+  // E = 2 G (1 + nu)
+  return {.youngs_modulus_pa = e_pa,
+          .poissons_ratio = 0.5 * e_pa / small_shear_modulus_pa(material) - 1.0};
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// The curve of a needle before its puncture, from the press of a larger ball.
+//
+// A mesh as fine as a tip needs costs much more than one for a ball. Close to the tip
+// the body is a half-space of the tissue there. Farther away the body does not know
+// the radius. So at one force F the depths of needle and ball differ as they do in the
+// half-space:
+//
+//   D(F) = D_ball(F) + h(F; R) - h(F; R_ball)
+//
+// h is the depth at which a half-space bears F under a shaft with a hemispherical tip.
+#pragma once
+
+#include "formats/response/response_table.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+
+namespace palpate {
+
+/// Moduli for small strains.
+struct TipTissue {
+  double youngs_modulus_pa = 0.0;  ///< [Pa] > 0
+  double poissons_ratio = 0.0;     ///< [-] (-1, 0.5]
+};
+
+/// h [m] by linear elasticity: an exact sphere (Sneddon 1965, equations 6.9 and 6.10).
+/// With the contact's radius a = R tanh t,
+///
+///   h = R t tanh t,   F = E / (1 - nu^2) R^2 ((1 + tanh^2 t) t - tanh t).
+///
+/// Deep down the sphere is as stiff as a flat punch: dF/dh = 2 E R / (1 - nu^2).
+/// @param force_n [N] >= 0. @param radius_m [m] > 0.
+[[nodiscard]] double linear_tip_depth_m(const TipTissue& tissue, double radius_m,
+                                        double force_n);
+
+/// The error of the force that the difference of depths stands for [-], as a part of
+/// the difference over the depth: measured against presses of the small ball itself
+/// (needle_curve_test.cc).
+inline constexpr double kSharpenError = 0.2;
+
+/// Makes a needle's response of that of its ball: forces stay, depths grow. The tilt
+/// stays at each force. The error grows by kSharpenError.
+/// @param response of a ball of `ball_m`. @param radius_m [m] (0, ball_m].
+void sharpen(const TipTissue& tissue, double radius_m, double ball_m,
+             NodeResponse& response);
+
+/// The tissue right below a vertex.
+[[nodiscard]] TipTissue tissue_at(const BodySource& body, std::int32_t vertex);
+
+}  // namespace palpate

@@ -1,0 +1,196 @@
+// A needle's curve of a larger ball's: closed forms, and presses of the small ball.
+#include "precompute/press/needle_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "formats/mesh/obj_writer.h"
+#include "precompute/contact/indentation_response.h"
+#include "precompute/press/work_unit_solver.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+constexpr TipTissue kTissue{.youngs_modulus_pa = 15000.0, .poissons_ratio = 0.45};
+constexpr double kPlanePa = 15000.0 / (1.0 - 0.45 * 0.45);
+constexpr double kRadiusM = 0.001;
+
+// F at a depth, by bisection of the depth at a force.
+double linear_force_n(double depth_m) {
+  double low = 0.0;
+  double high = 100.0;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (linear_tip_depth_m(kTissue, kRadiusM, middle) < depth_m ? low : high) = middle;
+  }
+  return low;
+}
+
+TEST(LinearTip, IsAnExactSphere) {
+  // Sneddon 1965: d/R and F over that of Hertz.
+  for (const auto& [x, part] : {std::pair{0.05, 0.9950},
+                                {0.10, 0.9900},
+                                {0.30, 0.9699},
+                                {0.50, 0.9498},
+                                {1.00, 0.8998}}) {
+    const double depth_m = x * kRadiusM;
+    const double hertz_n =
+        4.0 / 3.0 * kPlanePa * std::sqrt(kRadiusM) * std::pow(depth_m, 1.5);
+    EXPECT_NEAR(linear_force_n(depth_m) / hertz_n, part, 1e-4) << x;
+  }
+  EXPECT_EQ(linear_tip_depth_m(kTissue, kRadiusM, 0.0), 0.0);
+}
+
+TEST(LinearTip, IsAFlatPunchDeepDown) {
+  const double h_m = 1e-4;
+  for (const double x : {10.0, 20.0, 400.0}) {
+    const double slope =
+        (linear_force_n(x * kRadiusM + h_m) - linear_force_n(x * kRadiusM - h_m)) /
+        (2.0 * h_m);
+    EXPECT_NEAR(slope / (2.0 * kPlanePa * kRadiusM), 1.0, 1e-6) << x;
+  }
+}
+
+TEST(Sharpen, ForcesStayAndDepthsGrow) {
+  NodeResponse ball;
+  for (int k = 0; k <= 10; ++k) {
+    ball.depth_m.push_back(3e-4 * k);
+    ball.force_n.push_back(0.01 * k * k - (k == 10 ? 0.3 : 0.0));
+  }
+  ball.tilt = TiltLine{.tilt = {0.1, 0.0, 0.0}, .by_depth_per_m = {20.0, 0.0, 0.0}};
+  ball.error_relative = 0.03;
+  NodeResponse needle = ball;
+  sharpen(kTissue, 0.0005, 0.003, needle);
+  EXPECT_EQ(needle.force_n, ball.force_n);
+  EXPECT_EQ(needle.depth_m[0], 0.0);
+  for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
+    EXPECT_GT(needle.depth_m[k], needle.depth_m[k - 1]);
+    EXPECT_GT(needle.depth_m[k], ball.depth_m[k]);
+  }
+  EXPECT_NEAR(needle.tilt->at(needle.depth_m.back())[0],
+              ball.tilt->at(ball.depth_m.back())[0], 1e-12);
+  EXPECT_EQ(needle.tilt->tilt, ball.tilt->tilt);
+  const double part = 1.0 - ball.depth_m[9] / needle.depth_m[9];
+  EXPECT_GE(needle.error_relative, std::hypot(0.03, kSharpenError * part) - 1e-12);
+  EXPECT_LT(needle.error_relative, kSharpenError);
+  // A needle as large as its ball is its ball.
+  NodeResponse same = ball;
+  sharpen(kTissue, 0.003, 0.003, same);
+  EXPECT_EQ(same.depth_m, ball.depth_m);
+  EXPECT_EQ(same.error_relative, ball.error_relative);
+}
+
+class PressedNeedle : public testing::Test {
+ protected:
+  // A block of a soft tissue; the skin's modulus times that of what is below.
+  void read(const std::string& tools, double skin_times) {
+    write_obj(icosphere(0.03, 3), folder_ / "body.obj", "a body");
+    std::ofstream(folder_ / "scene.toml") << fmt::format(R"([body]
+mesh = "body.obj"
+length_unit = "m"
+[[layer]]
+name = "skin"
+thickness_m = 0.003
+[[material]]
+region = "body"
+law = "linear"
+youngs_modulus_pa = 15000.0
+poissons_ratio = 0.45
+[[material]]
+region = "skin"
+law = "linear"
+youngs_modulus_pa = {}
+poissons_ratio = 0.45
+puncture = {{ toughness_j_per_m2 = 300.0 }}
+[[support]]
+box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, -0.02]]
+{}
+[reach]
+box_m = [[-0.004, -0.004, 0.0], [0.004, 0.004, 1.0]]
+depth_max_m = 0.003
+[accuracy]
+depths = 8
+verify = 2
+method = "linear"
+)",
+                                                         15000.0 * skin_times, tools);
+    scene_ = read_scene(folder_ / "scene.toml");
+    body_ = read_body(scene_);
+  }
+
+  // Of the node on top, by tool: as units of work answer.
+  std::vector<NodeResponse> pressed() {
+    const std::vector<std::int32_t> reachable = reachable_vertices(scene_, body_);
+    Eigen::Index top = 0;
+    body_.surface.position_m.col(2).maxCoeff(&top);
+    const PressStrategy strategy = choose_strategy(scene_, body_, reachable);
+    Progress quiet(nullptr);
+    const SceneSolver solver(scene_, body_, strategy, reachable, reachable, quiet);
+    const WorkUnit unit{
+        .index = 0, .is_check = true, .vertex = {static_cast<std::int32_t>(top)}};
+    std::vector<NodeResponse> responses;
+    for (const WorkUnitNode& node :
+         solve_unit(scene_, body_, strategy, solver, unit, false).node) {
+      responses.push_back(node.response);
+    }
+    return responses;
+  }
+
+  ScratchFolder folder_;
+  Scene scene_;
+  BodySource body_;
+};
+
+double force_at(const NodeResponse& response, double depth_m) {
+  const auto next =
+      std::upper_bound(response.depth_m.begin(), response.depth_m.end(), depth_m) -
+      response.depth_m.begin();
+  const auto k = static_cast<std::size_t>(
+      std::min<std::ptrdiff_t>(next, std::ssize(response.depth_m) - 1));
+  const double u = (depth_m - response.depth_m[k - 1]) /
+                   (response.depth_m[k] - response.depth_m[k - 1]);
+  return (1.0 - u) * response.force_n[k - 1] + u * response.force_n[k];
+}
+
+// A needle of 1 mm, by a ball of 3 mm and by itself. Left as it is, the ball pushes
+// back with 1.3 to 2.2 times the force.
+TEST_F(PressedNeedle, OfALargerBallIsAsOfItsOwnTip) {
+  for (const double skin_times : {1.0, 4.0}) {
+    read(R"([[tool]]
+name = "needle"
+shape = "needle"
+radius_m = 0.001
+edge_width_m = 0.001
+press_radius_m = 0.003
+[[tool]]
+name = "tip"
+shape = "sphere"
+radius_m = 0.001
+)",
+         skin_times);
+    const std::vector<NodeResponse> response = pressed();
+    ASSERT_EQ(response.size(), 2U);
+    const NodeResponse& needle = response[0];
+    ASSERT_GT(needle.depth_m.size(), 5U);
+    EXPECT_GT(needle.depth_m.back(), 1.25 * 0.003);
+    EXPECT_GT(needle.error_relative, response[1].error_relative);
+    for (const double depth_m : {0.001, 0.002, 0.0028}) {
+      const double wanted_n = force_at(response[1], depth_m);
+      const double found_n = force_at(needle, depth_m);
+      EXPECT_NEAR(found_n / wanted_n, 1.0, needle.error_relative)
+          << skin_times << " " << depth_m;
+      EXPECT_NEAR(found_n / wanted_n, 1.0, 0.06) << skin_times << " " << depth_m;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate
