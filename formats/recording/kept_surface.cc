@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -55,7 +56,7 @@ bool are_layers(const ChannelRow& row) {
         k == 0 ? row.layer_depth_m[k] == 0.0
                : std::isfinite(row.layer_depth_m[k]) && row.layer_depth_m[k] > least_m;
     if (static_cast<std::size_t>(layers) != k || !rises || row.layer_material[k] < 0 ||
-        row.layer_material[k] >= kMostPunctureMaterials) {
+        row.layer_material[k] > std::numeric_limits<std::int8_t>::max()) {
       return false;
     }
     ++layers;

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "formats/response/puncture.h"
-
 namespace palpate {
 
 /// A site of the surface that has yielded.
@@ -24,6 +22,8 @@ struct YieldedRow {
   [[nodiscard]] bool operator==(const YieldedRow&) const = default;
 };
 
+constexpr std::int64_t kKeptLayers = 6;  ///< of a channel, at most
+
 /// A channel that a needle has cut (runtime/needle/channel.h).
 struct ChannelRow {
   std::array<double, 3> entry_m{};  ///< [m] of the tool's reference point
@@ -31,9 +31,9 @@ struct ChannelRow {
   double depth_m = 0.0;             ///< [m] >= 0 along the axis
   std::int32_t layer = 0;           ///< that the tip has broken into, from 0
   /// [m] along the axis where layers begin: the first at 0, rising; NaN: no more.
-  std::array<double, kMostPunctureLayers> layer_depth_m{};
+  std::array<double, kKeptLayers> layer_depth_m{};
   /// Row of the tool's materials; -1: no more layers.
-  std::array<std::int32_t, kMostPunctureLayers> layer_material{};
+  std::array<std::int32_t, kKeptLayers> layer_material{};
   std::int32_t table = 0;  ///< as of a site
 
   /// NaN is NaN.

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using hdf5::Handle;
 using recording::Column;
 
-constexpr std::size_t kWidest = kMostPunctureLayers;  // columns of a row
+constexpr std::size_t kWidest = kKeptLayers;  // columns of a row
 
 class Reader {
  public:

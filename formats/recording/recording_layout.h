@@ -104,9 +104,9 @@ inline constexpr std::array kChannelColumns{
            1},
     Column{"/channel/layer", "1", Hdf5Type::kInt32, offsetof(ChannelRow, layer), 1},
     Column{"/channel/layer_depth_m", "m", Hdf5Type::kFloat64,
-           offsetof(ChannelRow, layer_depth_m), kMostPunctureLayers},
+           offsetof(ChannelRow, layer_depth_m), kKeptLayers},
     Column{"/channel/layer_material", "1", Hdf5Type::kInt32,
-           offsetof(ChannelRow, layer_material), kMostPunctureLayers},
+           offsetof(ChannelRow, layer_material), kKeptLayers},
     Column{"/channel/table", "1", Hdf5Type::kInt32, offsetof(ChannelRow, table), 1}};
 
 inline constexpr std::array kTexts{

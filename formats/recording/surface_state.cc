@@ -23,12 +23,12 @@ struct Columns {
 };
 
 struct ChannelColumns {
-  RowsOf<double> entry_m = {};
-  RowsOf<double> axis = {};
+  RowMajor<double> entry_m = {};
+  RowMajor<double> axis = {};
   std::vector<double> depth_m = {};
   std::vector<std::int32_t> layer = {};
-  RowsOf<double> layer_depth_m = {};
-  RowsOf<std::int32_t> layer_material = {};
+  RowMajor<double> layer_depth_m = {};
+  RowMajor<std::int32_t> layer_material = {};
 };
 
 template <typename File, typename Values>
@@ -90,13 +90,13 @@ Columns columns_of(const std::vector<YieldedRow>& rows) {
 }
 
 template <typename T, std::size_t kWidth>
-void put_row(const std::array<T, kWidth>& from, Eigen::Index i, RowsOf<T>& to) {
+void put_row(const std::array<T, kWidth>& from, Eigen::Index i, RowMajor<T>& to) {
   to.row(i) = Eigen::Map<const Eigen::Matrix<T, 1, Eigen::Dynamic>>(
       from.data(), 1, static_cast<Eigen::Index>(kWidth));
 }
 
 template <typename T, std::size_t kWidth>
-void get_row(const RowsOf<T>& from, Eigen::Index i, std::array<T, kWidth>& to) {
+void get_row(const RowMajor<T>& from, Eigen::Index i, std::array<T, kWidth>& to) {
   Eigen::Map<Eigen::Matrix<T, 1, Eigen::Dynamic>>(
       to.data(), 1, static_cast<Eigen::Index>(kWidth)) = from.row(i);
 }
@@ -106,8 +106,8 @@ ChannelColumns columns_of(const std::vector<ChannelRow>& rows) {
   ChannelColumns columns;
   columns.entry_m.resize(count, 3);
   columns.axis.resize(count, 3);
-  columns.layer_depth_m.resize(count, kMostPunctureLayers);
-  columns.layer_material.resize(count, kMostPunctureLayers);
+  columns.layer_depth_m.resize(count, kKeptLayers);
+  columns.layer_material.resize(count, kKeptLayers);
   for (Eigen::Index i = 0; i < count; ++i) {
     const ChannelRow& row = rows[static_cast<std::size_t>(i)];
     put_row(row.entry_m, i, columns.entry_m);
@@ -128,12 +128,12 @@ std::vector<ChannelRow> channels_of(const Hdf5Reader& file, const std::string& t
   };
   if (static_cast<Eigen::Index>(columns.layer.size()) != count ||
       !is(columns.entry_m, 3) || !is(columns.axis, 3) ||
-      !is(columns.layer_depth_m, kMostPunctureLayers) ||
-      !is(columns.layer_material, kMostPunctureLayers)) {
+      !is(columns.layer_depth_m, kKeptLayers) ||
+      !is(columns.layer_material, kKeptLayers)) {
     file.fail(
         fmt::format("{}: datasets differ in their number of rows, or have no 3 "
                     "or {} columns",
-                    channel_group(tool), kMostPunctureLayers));
+                    channel_group(tool), kKeptLayers));
   }
   std::vector<ChannelRow> rows(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < count; ++i) {

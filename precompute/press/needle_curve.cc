@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/reproducible.h"
 #include "precompute/material/material.h"
 #include "precompute/press/node_yielding.h"
 
@@ -23,9 +24,9 @@ double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force
   const double wanted = force_n / (plane_pa * radius_m * radius_m);
   // (1 + tanh^2 t) t - tanh t is (4/3) t^3 for small t and 2 t - 1 for large t. It is
   // convex, and Newton from above falls to the root.
-  double t = std::max(std::cbrt(0.75 * wanted), 0.5 * (wanted + 1.0));
+  double t = std::max(reproducible::cbrt(0.75 * wanted), 0.5 * (wanted + 1.0));
   for (int i = 0; i < 60; ++i) {
-    const double s = std::tanh(t);
+    const double s = reproducible::tanh(t);
     const double slope = s * s + 2.0 * t * s * (1.0 - s * s) + s * s;
     const double step = ((1.0 + s * s) * t - s - wanted) / slope;
     t -= step;
@@ -33,7 +34,7 @@ double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force
       break;
     }
   }
-  return radius_m * t * std::tanh(t);
+  return radius_m * t * reproducible::tanh(t);
 }
 
 void sharpen(const TipTissue& tissue, double radius_m, double ball_m,

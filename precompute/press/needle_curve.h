@@ -32,9 +32,8 @@ struct TipTissue {
 [[nodiscard]] double linear_tip_depth_m(const TipTissue& tissue, double radius_m,
                                         double force_n);
 
-/// The error of the force that the difference of depths stands for [-], as a part of
-/// the difference over the depth: measured against presses of the small ball itself
-/// (needle_curve_test.cc).
+/// [-] The error of the force over the difference of depths by the depth. Measured
+/// against presses of the small ball itself (needle_curve_test.cc).
 inline constexpr double kSharpenError = 0.2;
 
 /// Makes a needle's response of that of its ball: forces stay, depths grow. The tilt

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-static_assert(kMostPunctureLayers == kPunctureLayers);
+static_assert(kKeptLayers == kPunctureLayers);
 
 ChannelRow kept_row(const Channel& channel) {
   ChannelRow row{.depth_m = channel.depth_m, .layer = channel.layer};

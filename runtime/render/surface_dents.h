@@ -33,8 +33,8 @@ struct SurfaceDent {
 [[nodiscard]] KeptSurface kept_surface(const CoupledState& state);
 
 /// What had stayed takes the place of what stays in the state; nothing else changes.
-/// @throws InputError for more sites or channels than a state holds, for a table that
-/// it does not have, or for channels of a tool that is no needle; it is as it was then.
+/// Sites and channels must find room, and their table and materials be the state's.
+/// @throws InputError where they are not; the state is as it was then.
 void begin_kept(const KeptSurface& kept, FastState& state);
 void begin_kept(const KeptSurface& kept, CoupledState& state);
 

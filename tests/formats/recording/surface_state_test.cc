@@ -106,7 +106,7 @@ TEST(SurfaceStateFile, BrokenChannelsAreRefused) {
             }),
             "");
   EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_material[2] = 8;
+              c.layer_material[2] = 128;
             }),
             "");
   EXPECT_NE(said([](ChannelRow& c) {
