@@ -1,6 +1,7 @@
 // palpate-fit insertion: passes of a needle in, ruptures, cutting forces, friction out.
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,9 @@
 #include "fitting/command/curve_file.h"
 #include "fitting/command/machine_options.h"
 #include "fitting/insertion/insertion_json.h"
+#include "fitting/insertion/insertion_scene.h"
 #include "fitting/insertion/toughness.h"
+#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/base/units.h"
@@ -25,6 +28,7 @@ struct InsertionOptions {
   bool ignore_header_units = false;
   MachineOptions machine;
   std::optional<double> speed_mm_per_s, edge_width_mm;
+  std::string scene;  // file for its keys; empty: none
   bool json = false;
 };
 
@@ -217,7 +221,16 @@ void print_insertion(const InsertionRead& read, const NeedlePath& path,
   }
 }
 
+void write_scene(const std::string& text, const std::string& file) {
+  AtomicFile atomic(file);
+  atomic.write(std::as_bytes(std::span(text)));
+  atomic.commit();
+}
+
 void run_insertion(InsertionOptions& options) {
+  if (!options.scene.empty() && !options.edge_width_mm) {
+    throw InputError("--scene: a scene's toughness needs --edge-width-mm");
+  }
   if (!options.machine.cycle.empty()) {
     throw InputError("--cycle: insertion fits all passes of its files together");
   }
@@ -231,6 +244,9 @@ void run_insertion(InsertionOptions& options) {
         find_needle_path(read.samples, read.frame ? &read.frame->frame : nullptr);
     const NeedleFit fit = fit_needle(path);
     const auto toughness = toughness_of_layers(fit, options);
+    if (!options.scene.empty()) {
+      write_scene(insertion_scene(fit, *options.edge_width_mm * 1e-3), options.scene);
+    }
     options.json ? print_insertion_json(read, path, fit, toughness)
                  : print_insertion(read, path, fit, toughness);
   } catch (const InputError& error) {
@@ -273,6 +289,8 @@ void add_insertion_command(Command app) {
       .add_option("--edge-width-mm", options->edge_width_mm,
                   "width of the cutting edge: toughness J = F_c / w of each layer")
       .positive();
+  command.add_option("--scene", options->scene,
+                     "file for the layers and materials of a scene (TOML)");
   add_machine_options(command, options->machine);
   command.add_flag("--json", options->json, "report for programs");
   command.callback([options] {

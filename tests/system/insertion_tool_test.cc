@@ -1,4 +1,5 @@
 // palpate-fit insertion as a user runs it, with wrong input too.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/json_text.h"
+#include "formats/scene/scene.h"
 #include "tests/fitting/insertion/needle_simulation.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
@@ -76,6 +78,53 @@ TEST_F(InsertionTool, ReportsForPrograms) {
   EXPECT_FALSE(json.at("layers").at(1).contains("warning"));
 }
 
+// Its file, with what a measurement does not tell, is a scene.
+TEST_F(InsertionTool, WritesTheKeysOfAScene) {
+  const ToolRun result =
+      run({"both.csv"}, {"--edge-width-mm", "0.5", "--scene", folder_ / "part.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::string text = bytes_of(folder_ / "part.toml");
+  const std::string elastic =
+      "law = \"linear\"\nyoungs_modulus_pa = 15000.0\npoissons_ratio = 0.45\nregion";
+  for (std::size_t at = 0; (at = text.find("\nregion", at)) != std::string::npos;) {
+    text.replace(at + 1, 6, elastic);
+    at += elastic.size() + 1;
+  }
+  std::ofstream(folder_ / "scene.toml")
+      << "[body]\nmesh = \"body.obj\"\nlength_unit = \"m\"\n[[support]]\nbox_m = "
+         "[[-1, -1, -1], [1, 1, -0.02]]\n[reach]\ndepth_max_m = 0.004\n"
+      << text << "radius_m = 0.0005\n";
+  const Scene scene = read_scene(folder_ / "scene.toml");
+  ASSERT_EQ(scene.material.size(), 2U);
+  const auto of = [&](const char* region) {
+    return *std::find_if(scene.material.begin(), scene.material.end(),
+                         [&](const SceneMaterial& m) {
+                           return m.region == region;
+                         })
+                ->puncture;
+  };
+  // As simulated: cutting forces of 0.5 and 0.25 N, membranes of 2 and 1 N.
+  EXPECT_NEAR(of("layer1").toughness_j_per_m2, 1000.0, 40.0);
+  EXPECT_NEAR(of("body").toughness_j_per_m2, 500.0, 40.0);
+  EXPECT_NEAR(*of("layer1").friction_n_per_m, 20.0, 3.0);
+  EXPECT_NEAR(*of("body").friction_n_per_m, 30.0, 3.0);
+  EXPECT_NEAR(*of("layer1").membrane_n, 2.0, 0.1);
+  EXPECT_NEAR(*of("body").membrane_n, 1.0, 0.1);
+  EXPECT_NEAR(of("body").static_ratio, tissue_.static_ratio, 0.1);
+  ASSERT_TRUE(scene.tool_needle[0]);
+  EXPECT_EQ(scene.tool_needle[0]->edge_width_m, 0.0005);
+  EXPECT_NEAR(scene.inclusion[0].under_m.value(), 6e-3, 3e-4);
+  // What is not separated makes no scene.
+  write("one.csv", {.deepest_m = {18e-3}, .extracts = false}, false);
+  const ToolRun none =
+      run({"one.csv"}, {"--edge-width-mm", "0.5", "--scene", folder_ / "none.toml"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("a scene needs the cutting force of layer 1"),
+            std::string::npos)
+      << none.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.toml"));
+}
+
 TEST_F(InsertionTool, OneInsertionIsNotSeparated) {
   write("one.csv", {.deepest_m = {18e-3}, .extracts = false}, false);
   const auto json = parse_json(run({"one.csv"}, {"--json"}).out);
@@ -133,6 +182,7 @@ TEST_F(InsertionTool, AnswersWrongInputWithOneLine) {
                         {run({"both.csv"}, {"--speed-mm-per-s", "1"}), "--time-column"},
                         {run({"both.csv"}, {"--speed-mm-per-s", "0"}), "speed"},
                         {run({"both.csv"}, {"--edge-width-mm", "-1"}), "edge"},
+                        {run({"both.csv"}, {"--scene", "x.toml"}), "--edge-width-mm"},
                         {run({"missing.csv"}), "missing.csv"}};
   for (const Case& c : cases) {
     EXPECT_EQ(c.result.exit_code, 2) << c.says;
