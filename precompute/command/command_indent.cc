@@ -160,6 +160,21 @@ void print_response(const NodeDetail& detail, const NodeResponse& response) {
   }
 }
 
+void print_needle_note(const Scene& scene, const BodySource& body,
+                       const ToolSurface& tool) {
+  for (std::size_t t = 0; t < scene.tool_needle.size(); ++t) {
+    const auto& needle = scene.tool_needle[t];
+    if (needle && body.tool[t].get() == &tool &&
+        needle->press_radius_m > needle->radius_m) {
+      fmt::print(
+          "note: this is the ball of {:.4g} mm that is pressed; a build makes the "
+          "curve "
+          "of a needle of {:.4g} mm of it\n",
+          1e3 * needle->press_radius_m, 1e3 * needle->radius_m);
+    }
+  }
+}
+
 void run_indent(const IndentFlags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
@@ -169,8 +184,8 @@ void run_indent(const IndentFlags& flags) {
       flags.at_m.empty()
           ? flags.vertex
           : nearest_vertex(body.surface, Eigen::Vector3d(flags.at_m.data()));
-  const NodeDetail detail =
-      press_in_detail(scene, body, chosen_tool(body, flags.tool), vertex, {}, progress);
+  const SharedTool tool = chosen_tool(body, flags.tool);
+  const NodeDetail detail = press_in_detail(scene, body, tool, vertex, {}, progress);
   const NodeResponse response = to_response(detail.pressed.indentation,
                                             detail.pressed.path, scene.force_relative);
   if (!flags.vtu.empty()) {
@@ -184,6 +199,7 @@ void run_indent(const IndentFlags& flags) {
     for (const std::string& note : body.notes) {
       fmt::print("note: {}\n", note);
     }
+    print_needle_note(scene, body, *tool);
   }
 }
 
