@@ -127,6 +127,11 @@ class HostTool {
   [[nodiscard]] int contacts() const noexcept { return body_->contacts(); }
   [[nodiscard]] BodyContact contact_at(int i) const noexcept;
 
+  /// Of a needle, in the world; likewise.
+  [[nodiscard]] NeedleSeen needle() const noexcept;
+  /// A channel that the needle has opened. @param i [0, needle().state->channels)
+  [[nodiscard]] Channel channel_at(std::int32_t i) const noexcept;
+
   /// Whether it touches at several places.
   [[nodiscard]] bool has_several() const noexcept { return body_->turns(); }
   [[nodiscard]] std::size_t hands() const noexcept { return body_->hands(); }
