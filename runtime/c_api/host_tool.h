@@ -53,6 +53,10 @@ void check(const HostOptions& options);
 /// the others'. @throws InputError naming the passive ones.
 [[nodiscard]] LocalModel passive_model(std::string_view name);
 
+/// Why a host cannot read a needle of a tool.
+inline constexpr char kNoNeedle[] =
+    "the tool is no needle: its database does not say what it punctures";
+
 /// One tick of a host's tool, in its world.
 struct HostTick {
   WrenchCommand command;

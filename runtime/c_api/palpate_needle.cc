@@ -19,7 +19,7 @@ int refusal(const palpate_tool* tool, bool given, char* error,
   if (tool == nullptr || !given) {
     why = "no tool, no room, or no size of the struct: a pointer is null or a size 0";
   } else if (tool->tool.needle().state == nullptr) {
-    why = "the tool is no needle: its database does not say what it punctures";
+    why = palpate::kNoNeedle;
   }
   palpate::copy_text(why, error, error_bytes);
   return *why == '\0' ? 0 : PALPATE_ERROR_INPUT;

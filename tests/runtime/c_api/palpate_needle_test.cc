@@ -140,6 +140,8 @@ TEST_F(PalpateNeedle, KeepsItsChannelsWhenItLeavesAndWhenItIsReset) {
   (void)go_to(body, tool, 0.0105);
   const Tick out = go_to(body, tool, 0.004);
   EXPECT_LT(tool.needle().shaft_force, 0.0);
+  EXPECT_NEAR(tool.needle().inserted, 0.004, 1e-9);
+  EXPECT_EQ(tool.needle().tip_force, 0.0);
   EXPECT_NEAR(out.hand[0].force[2], tool.needle().shaft_force, 1e-12);
   (void)go_to(body, tool, -0.002);
   EXPECT_EQ(tool.needle().channel, -1);
