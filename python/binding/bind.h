@@ -18,6 +18,7 @@ void bind_measurement(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
 void bind_renderer(pybind11::module_& module);
 void bind_drawing(pybind11::class_<HeldRenderer>& type);
+void bind_needle(pybind11::class_<HeldRenderer>& type);
 void bind_service(pybind11::class_<HeldRenderer>& type);
 
 }  // namespace palpate

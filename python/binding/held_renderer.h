@@ -64,6 +64,12 @@ class HeldRenderer {
     return displaced_surface(*body_, *tool_, contacts());
   }
 
+  /// As HostTool has them.
+  [[nodiscard]] NeedleSeen needle() const noexcept { return tool_->needle(); }
+  [[nodiscard]] Channel channel_at(std::int32_t i) const noexcept {
+    return tool_->channel_at(i);
+  }
+
   /// palpate_place(). @throws InputError for a place that is none.
   void place(const Eigen::Vector3d& origin_m, const Eigen::Vector4d& quaternion);
 

@@ -388,6 +388,7 @@ void bind_renderer(py::module_& module) {
   bind_account(type);
   bind_place(type);
   bind_drawing(type);
+  bind_needle(type);
   bind_service(type);
   bind_state(type);
   bind_body(type);

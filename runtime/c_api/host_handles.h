@@ -8,6 +8,16 @@
 #include "runtime/c_api/host_body.h"
 #include "runtime/c_api/palpate.h"
 
+namespace palpate {
+
+/// In a host's units. @param to (3)
+inline void copy_vector(const Eigen::Vector3d& from, double per_unit,
+                        double* to) noexcept {
+  Eigen::Map<Eigen::Vector3d>(to, 3) = from / per_unit;
+}
+
+}  // namespace palpate
+
 struct palpate_tool {
   palpate::HostTool& tool;
   const palpate::HostBody& body;

@@ -183,6 +183,20 @@ BodyContact HostTool::contact_at(int i) const noexcept {
   return contact;
 }
 
+NeedleSeen HostTool::needle() const noexcept {
+  NeedleSeen seen = body_->needle();
+  seen.lateral_n = placement_.vector_in_world(seen.lateral_n);
+  return seen;
+}
+
+Channel HostTool::channel_at(std::int32_t i) const noexcept {
+  Channel channel = body_->needle().state->channel[static_cast<std::size_t>(i)];
+  channel.entry_m = placement_.point_in_world(channel.entry_m);
+  channel.axis = placement_.vector_in_world(channel.axis);
+  channel.lateral_m = placement_.vector_in_world(channel.lateral_m);
+  return channel;
+}
+
 void HostTool::reset() noexcept {
   body_->restart();
   silent_s_ = 0.0;

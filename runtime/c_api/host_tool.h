@@ -53,6 +53,10 @@ void check(const HostOptions& options);
 /// the others'. @throws InputError naming the passive ones.
 [[nodiscard]] LocalModel passive_model(std::string_view name);
 
+/// Why a host cannot read a needle of a tool.
+inline constexpr char kNoNeedle[] =
+    "the tool is no needle: its database does not say what it punctures";
+
 /// One tick of a host's tool, in its world.
 struct HostTick {
   WrenchCommand command;
@@ -126,6 +130,11 @@ class HostTool {
   /// Of the latest tick, in the world; the haptic thread outside a tick.
   [[nodiscard]] int contacts() const noexcept { return body_->contacts(); }
   [[nodiscard]] BodyContact contact_at(int i) const noexcept;
+
+  /// Of a needle, in the world; likewise.
+  [[nodiscard]] NeedleSeen needle() const noexcept;
+  /// A channel that the needle has opened. @param i [0, needle().state->channels)
+  [[nodiscard]] Channel channel_at(std::int32_t i) const noexcept;
 
   /// Whether it touches at several places.
   [[nodiscard]] bool has_several() const noexcept { return body_->turns(); }

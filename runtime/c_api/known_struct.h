@@ -19,4 +19,13 @@ void copy_known(const Struct& all, Struct* to) noexcept {
   }
 }
 
+/// The same of a row of an array, each as wide as its caller knows it.
+template <typename Struct>
+void copy_row(const Struct& all, Struct* rows, std::size_t i,
+              std::size_t row_bytes) noexcept {
+  auto* to = reinterpret_cast<unsigned char*>(rows) + i * row_bytes;
+  std::memset(to, 0, row_bytes);
+  std::memcpy(to, &all, std::min(row_bytes, sizeof(all)));
+}
+
 }  // namespace palpate

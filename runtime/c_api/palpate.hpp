@@ -1,5 +1,5 @@
-// palpate for C++ (C++17, header-only): palpate.h and palpate_draw.h with owners,
-// exceptions and arrays.
+// palpate for C++ (C++17, header-only): palpate.h, palpate_draw.h and palpate_needle.h
+// with owners, exceptions and arrays.
 //
 //   palpate::Body body("liver.h5");
 //   palpate::Tool tool = body.add_tool();
@@ -14,6 +14,7 @@
 #define PALPATE_HPP
 
 #include "palpate_draw.h"
+#include "palpate_needle.h"
 
 #include <array>
 #include <cstddef>
@@ -152,6 +153,27 @@ class Tool {
       moved[i] = {flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]};
     }
     return moved;
+  }
+
+  /// Haptic thread, outside a tick. @throws Error where the tool is no needle.
+  [[nodiscard]] palpate_needle needle() const {
+    palpate_needle needle{};
+    needle.struct_size = sizeof needle;
+    detail::Text why{};
+    detail::require(palpate_needle_get(handle_, &needle, why.data(), why.size()) == 0,
+                    why);
+    return needle;
+  }
+
+  /// What it has cut open. @throws Error where the tool is no needle.
+  [[nodiscard]] std::vector<palpate_channel> channels() const {
+    std::vector<palpate_channel> all(16);
+    detail::Text why{};
+    const int count = palpate_channels_get(handle_, all.data(), all.size(),
+                                           sizeof all[0], why.data(), why.size());
+    detail::require(count >= 0, why);
+    all.resize(static_cast<std::size_t>(count));
+    return all;
   }
 
   /// What has yielded stays.

@@ -11,6 +11,7 @@
 
 namespace {
 
+using palpate::copy_vector;
 using palpate::HostSample;
 using palpate::Wrench;
 
@@ -19,11 +20,6 @@ int status_of(const palpate::TickAccount& command) noexcept {
     return -static_cast<int>(command.fault);
   }
   return command.in_contact ? PALPATE_CONTACT : PALPATE_FREE;
-}
-
-void copy(const Eigen::Vector3d& from, double per_unit, double* to) noexcept {
-  Eigen::Map<Eigen::Vector3d> view(to);
-  view = from / per_unit;
 }
 
 void zero(double* values, std::size_t count) noexcept {
@@ -55,22 +51,23 @@ palpate_contact contact_of(const palpate_tool& tool, int i) noexcept {
   one.touching = at.touching ? 1 : 0;
   one.triangle = at.triangle;
   one.radius = contact.radius_m / tool.metres_per_unit;
-  copy(at.centre_m, tool.metres_per_unit, one.centre);
-  copy(at.point_m, tool.metres_per_unit, one.point);
-  copy(at.normal, 1.0, one.normal);
-  copy(at.force_n, tool.newtons_per_unit, one.force);
+  copy_vector(at.centre_m, tool.metres_per_unit, one.centre);
+  copy_vector(at.point_m, tool.metres_per_unit, one.point);
+  copy_vector(at.normal, 1.0, one.normal);
+  copy_vector(at.force_n, tool.newtons_per_unit, one.force);
   one.depth = at.depth_m / tool.metres_per_unit;
   one.own_depth = (at.depth_m - at.dimple_m) / tool.metres_per_unit;
-  copy(at.share, 1.0, one.shares);
+  copy_vector(at.share, 1.0, one.shares);
   return one;
 }
 
 // @param torque_out may be null.
 void copy_wrench(const palpate_tool& tool, const Wrench& wrench, double* force_out,
                  double* torque_out) noexcept {
-  copy(wrench.force_n, tool.newtons_per_unit, force_out);
+  copy_vector(wrench.force_n, tool.newtons_per_unit, force_out);
   if (torque_out != nullptr) {
-    copy(wrench.torque_n_m, tool.newtons_per_unit * tool.metres_per_unit, torque_out);
+    copy_vector(wrench.torque_n_m, tool.newtons_per_unit * tool.metres_per_unit,
+                torque_out);
   }
 }
 
@@ -176,12 +173,9 @@ int palpate_contacts_get(const palpate_tool* tool, palpate_contact* contacts,
     return PALPATE_ERROR_INPUT;
   }
   const int count = tool->tool.contacts();
-  auto* to = reinterpret_cast<unsigned char*>(contacts);
   for (size_t i = 0; i < room && i < static_cast<size_t>(count); ++i) {
-    const palpate_contact one = contact_of(*tool, static_cast<int>(i));
-    const size_t known = std::min(contact_bytes, sizeof one);
-    std::memset(to + i * contact_bytes, 0, contact_bytes);
-    std::memcpy(to + i * contact_bytes, &one, known);
+    palpate::copy_row(contact_of(*tool, static_cast<int>(i)), contacts, i,
+                      contact_bytes);
   }
   return count;
 }
@@ -195,8 +189,8 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.struct_size = state->struct_size;
   all.status = status_of(tick.command);
   all.triangle = tick.contact.triangle;
-  copy(tick.contact.point_m, tool->metres_per_unit, all.contact_point);
-  copy(tick.contact.normal, 1.0, all.normal);
+  copy_vector(tick.contact.point_m, tool->metres_per_unit, all.contact_point);
+  copy_vector(tick.contact.normal, 1.0, all.normal);
   all.depth = tick.command.depth_m / tool->metres_per_unit;
   all.work_j = tick.work_j;
   all.stored_j = tick.command.stored_j;

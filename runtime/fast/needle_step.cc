@@ -202,9 +202,8 @@ Vector3 advance(const PunctureRules& rules, NeedleState& needle,
   needle.shaft_j += std::max<double>(0.0, moved_j - now_j);
   book_yielding(s.ledger, field_j + now_j);
   // The image moves along the axis alone: what acts across does no work.
-  const Vector3 image_n = s.model.response.force_n + s.model.spring.force_n();
   const Vector3 force_n =
-      channel.axis.dot(image_n) * channel.axis + held_n(rules, channel);
+      tip_n(channel, s.model) * channel.axis + held_n(rules, channel);
   if (tip_m < 0.0) {
     needle.active = -1;
     ask_at(s, x_m);

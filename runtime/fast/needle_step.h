@@ -49,6 +49,13 @@ struct NeedleState {
   return in == nullptr ? x_m : in->image_m(x_m);
 }
 
+/// What the tissue before the tip gives along the axis [N], outward.
+[[nodiscard]] inline Real tip_n(const Channel& channel,
+                                const PotentialModel& at_image) noexcept {
+  return channel.axis.dot(
+      Vector3(at_image.response.force_n + at_image.spring.force_n()));
+}
+
 /// Energy that the needle's shaft holds [J].
 [[nodiscard]] inline Real held_j(const PunctureRules& rules,
                                  const NeedleState& needle) noexcept {

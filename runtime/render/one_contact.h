@@ -42,6 +42,9 @@ class OneContact : public RenderedBody {
   [[nodiscard]] BodyContact contact_at(int /*i*/) const noexcept override {
     return {.radius_m = state_.config.tool_radius_m, .at = contact_place(state_)};
   }
+  [[nodiscard]] NeedleSeen needle() const noexcept override {
+    return needle_seen(state_);
+  }
   [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
   [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }

@@ -5,11 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kTickS = 0.0005;
 
 TEST(VirtualDevice, FreeMassFollowsTheParabola) {
   VirtualDevice device({.mass_kg = 0.2, .load_n_per_m = 0.0}, kTickS);
