@@ -7,6 +7,7 @@
 #include "runtime/fast/fast_step.h"
 #include "runtime/fast/switch_model.h"
 #include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/needle_watch.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/slow/tool_state.h"
@@ -23,7 +24,9 @@ struct RenderExchange {
 class OneContact : public RenderedBody {
  public:
   /// The stream must outlive it. @throws InputError if the configuration is not valid.
-  OneContact(const FastConfig& config, ElementSender& stream);
+  /// @param watch sees a needle in every tick; null: nobody looks on. It outlives this.
+  OneContact(const FastConfig& config, ElementSender& stream,
+             NeedleWatch* watch = nullptr);
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
@@ -67,6 +70,11 @@ class OneContact : public RenderedBody {
     return surface_dents(state_);
   }
 
+  /// Of a tool that punctures, else null. Not in a tick.
+  [[nodiscard]] const NeedleState* needle() const noexcept {
+    return is_needle(state_.config.puncture) ? &state_.needle : nullptr;
+  }
+
   /// Another local model from the next tick on (switch_model.h).
   void use(LocalModel model) noexcept { switch_model(state_, model); }
 
@@ -75,6 +83,7 @@ class OneContact : public RenderedBody {
   YieldedSites kept_;  // in restart()
   std::unique_ptr<RenderExchange> exchange_ = std::make_unique<RenderExchange>();
   ElementSender& stream_;
+  NeedleWatch* watch_;
 };
 
 }  // namespace palpate
