@@ -122,6 +122,15 @@ bool same(const Puncture& a, const Puncture& b) {
          a.layer_material == b.layer_material;
 }
 
+double last_layer_m(const Puncture& puncture, std::int64_t node) {
+  double last_m = 0.0;
+  for (const double begins_m :
+       puncture.layer_depth_m.row(puncture.layer_depth_m.rows() == 1 ? 0 : node)) {
+    last_m = std::isfinite(begins_m) ? std::max(last_m, begins_m) : last_m;
+  }
+  return last_m;
+}
+
 std::string describe(const Puncture& puncture) {
   if (puncture.empty()) {
     return {};

@@ -205,7 +205,9 @@ void watch(ViewFlags& flags, const ResponseDatabase& database) {
     options.watch_contacts = contacts.get();
     body.hands = find_tools(database, flags.device.tools);
   }
-  WatchView view(body, options, *ticks, several ? contacts.get() : nullptr);
+  const auto needle = std::make_unique<NeedleWatch>();
+  options.watch_needle = needle.get();
+  WatchView view(body, options, *ticks);
   const SimulationReport report = look_on(flags, body, view, [&] {
     return simulate(database, options, stop);
   });
@@ -259,7 +261,7 @@ void watch_scene(ViewFlags& flags) {
                                                .fast_hz = options.fast_hz,
                                                .force_max_n = options.force_max_n});
   ServedNews news(*client, elements, scene, SceneWatch(flags.database));
-  WatchView view(body, options, *ticks, nullptr, &news);
+  WatchView view(body, options, *ticks, &news);
   throw_what_ended(look_on(flags, body, view, [&] {
     return simulate_served(*client, options, stop, elements);
   }));

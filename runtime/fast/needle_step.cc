@@ -81,6 +81,9 @@ void flow(const PunctureRules& rules, NeedleState& needle, const PuncturedSurfac
          axial_n(s, channel) > yield_n(rules, channel)) {
     ++channel.layer;
     ++needle.broken;
+    channel.broke[static_cast<std::size_t>(channel.layer)] = {
+        channel.tip_m(x_m),
+        axial_n(s, channel) + channel.axis.dot(held_n(rules, channel))};
     cut(rules, needle, s, channel, x_m);
   }
 }
@@ -149,6 +152,7 @@ void puncture(const PunctureRules& rules, NeedleState& needle,
   channel.axis = response.force_n / force_n;
   channel.entry_m = x_m + response.depth_m * channel.axis;
   channel.layers = layers;
+  channel.broke[0] = {response.depth_m, force_n};
   needle.active = needle.channels++;
   needle.channel[static_cast<std::size_t>(needle.active)] = channel;
   ++needle.broken;

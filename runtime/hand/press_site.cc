@@ -61,13 +61,7 @@ double depth_within(const CurveView& curve, double depth_m, double force_n) {
 void insert(HandScript& script, const Puncture& puncture, std::int32_t node,
             double depth_max_m) {
   constexpr double kFirstGo = 0.6;
-  const Eigen::Index row = puncture.layer_depth_m.rows() == 1 ? 0 : node;
-  double last_m = 0.0;
-  for (Eigen::Index k = 0; k < puncture.layer_depth_m.cols(); ++k) {
-    const double begins_m = puncture.layer_depth_m(row, k);
-    last_m = std::isfinite(begins_m) ? std::max(last_m, begins_m) : last_m;
-  }
-  script.deeper_m = last_m + depth_max_m;
+  script.deeper_m = last_layer_m(puncture, node) + depth_max_m;
   script.press_m = kFirstGo * script.deeper_m;
   script.circle_m = 0.0;
 }

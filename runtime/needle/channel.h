@@ -57,12 +57,19 @@ struct PunctureRules {
 /// Null if the rules are valid, else what is wrong with them, one line.
 [[nodiscard]] const char* check(const PunctureRules& rules) noexcept;
 
+/// When a membrane broke.
+struct Rupture {
+  Real tip_m = 0.0;    ///< [m] z
+  Real force_n = 0.0;  ///< [N] along the axis, on the tool, before it fell
+};
+
 struct Channel {
   Vector3 entry_m = Vector3::Zero();  ///< [m] x_0, of the tool's reference point
   Vector3 axis = Vector3::Zero();     ///< [-] a, outward unit
   NodePuncture layers;                ///< along the axis
   std::int32_t layer = 0;             ///< that the tip has broken into
   Real depth_m = 0.0;                 ///< [m] L >= 0, only grows
+  std::array<Rupture, kPunctureLayers> broke{};  ///< of the layers [0, layer]
   // The needle in it.
   Real inserted_m = 0.0;                ///< [m] l
   Real shaft_m = 0.0;                   ///< [m] zeta, inward positive

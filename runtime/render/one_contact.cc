@@ -28,8 +28,9 @@ NeedleReport needle_report(const NeedleState& needle) {
 
 }  // namespace
 
-OneContact::OneContact(const FastConfig& config, ElementSender& stream)
-    : stream_(stream) {
+OneContact::OneContact(const FastConfig& config, ElementSender& stream,
+                       NeedleWatch* watch)
+    : stream_(stream), watch_(watch) {
   state_.config = config;
   state_.config.puncture = stream.puncture();
   if (const char* wrong = check(state_.config)) {
@@ -69,6 +70,9 @@ WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcep
 }
 
 void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
+  if (const NeedleState* in = watch_ == nullptr ? nullptr : needle().state) {
+    watch_->write(*in);
+  }
   exchange_->tool.write({.sequence = static_cast<std::uint64_t>(ticks),
                          .time_ns = reading[0].time_ns,
                          .position_m = reading[0].position_m,
@@ -78,8 +82,8 @@ void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexce
 
 void OneContact::account(const WrenchCommand& command,
                          RenderReport& report) const noexcept {
-  if (is_needle(state_.config.puncture)) {
-    report.needle = needle_report(state_.needle);
+  if (const NeedleState* in = needle().state) {
+    report.needle = needle_report(*in);
   }
   if (!remembers(state_.memory)) {
     return;

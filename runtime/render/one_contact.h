@@ -7,6 +7,7 @@
 #include "runtime/fast/fast_step.h"
 #include "runtime/fast/switch_model.h"
 #include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/needle_watch.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/slow/tool_state.h"
@@ -23,7 +24,9 @@ struct RenderExchange {
 class OneContact : public RenderedBody {
  public:
   /// The stream must outlive it. @throws InputError if the configuration is not valid.
-  OneContact(const FastConfig& config, ElementSender& stream);
+  /// @param watch sees a needle in every tick; null: nobody looks on. It outlives this.
+  OneContact(const FastConfig& config, ElementSender& stream,
+             NeedleWatch* watch = nullptr);
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
@@ -74,6 +77,7 @@ class OneContact : public RenderedBody {
   YieldedSites kept_;  // in restart()
   std::unique_ptr<RenderExchange> exchange_ = std::make_unique<RenderExchange>();
   ElementSender& stream_;
+  NeedleWatch* watch_;
 };
 
 }  // namespace palpate

@@ -112,7 +112,8 @@ class ToolRun {
         one_(tool.setup.several != nullptr
                  ? nullptr
                  : std::make_unique<OneContact>(tool.config.fast.fast,
-                                                *tool.setup.stream)),
+                                                *tool.setup.stream,
+                                                tool.setup.watch_needle)),
         body_(tool.setup.several != nullptr ? *tool.setup.several : *one_),
         fast_(tool.config.fast, devices(), body_, outputs(tool.setup)),
         slow_(body_),

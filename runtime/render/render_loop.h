@@ -33,6 +33,7 @@ struct RenderSetup {
   Recorder* recorder = nullptr;              ///< records the run
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
+  NeedleWatch* watch_needle = nullptr;       ///< shows the needle of every tick
   KeptSurface surface = {};                  ///< what had stayed before
   /// Instead of the stream: tools that touch at several places ...
   RenderedBody* several = nullptr;

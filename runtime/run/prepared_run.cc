@@ -216,6 +216,7 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
                       .recorder = run.recorder.get(),
                       .flight = run.flight.get(),
                       .watch = run.report.options.watch,
+                      .watch_needle = run.report.options.watch_needle,
                       .surface = run.header.surface,
                       .several = run.several.get(),
                       .second = run.second.get()}});

@@ -45,6 +45,9 @@ class SteeredBody {
   [[nodiscard]] virtual std::int32_t triangle_under(std::size_t hand,
                                                     const TickRecord& latest) const = 0;
 
+  /// The channel that a needle is in; null: none. Valid until the next tick.
+  [[nodiscard]] virtual const Channel* channel() const { return nullptr; }
+
   /// Whether a hand can turn its tool.
   [[nodiscard]] virtual bool turns() const noexcept = 0;
 

@@ -23,11 +23,15 @@ SteeredContact::SteeredContact(const ResponseDatabase& database,
 void SteeredContact::begin() {
   body_ = std::make_unique<OneContact>(config_, adjusted_);
   body_->begin_with(surface_);
+  needle_.reset();
 }
 
 void SteeredContact::set(const ViewRequest& request) {
   if (request.coupled) {
     throw InputError("one contact couples with no other");
+  }
+  if (request.model && body_->needle().state != nullptr && !is_field(*request.model)) {
+    throw InputError("a needle needs the model potential or facets");
   }
   if (request.model) {
     config_.model = *request.model;
@@ -43,8 +47,12 @@ void SteeredContact::set(const ViewRequest& request) {
 
 void SteeredContact::show(const std::vector<SteeredHand>& /*hand*/, ViewFrame& frame) {
   const Eigen::Map<const Eigen::Vector3d> tool_m(frame.now.position_m.data());
-  frame.contact = view_contact(database_, table_.tool, stream_.search(), tool_m,
-                               frame.now.triangle);
+  if (const NeedleState* needle = body_->needle().state) {
+    needle_ = view_needle(*needle, table_.tool, needle_);
+  }
+  frame.needle = needle_;
+  frame.contact = tool_contact(database_, table_.tool, stream_.search(), tool_m,
+                               frame.now.triangle, needle_);
   frame.dents = dents_.at(body_->dents(), adjusted_.stiffness_scale());
   frame.settings.model = config_.model;
   frame.settings.stiffness_scale = adjusted_.stiffness_scale();

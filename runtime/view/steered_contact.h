@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "formats/mesh/surface_search.h"
@@ -28,6 +29,10 @@ class SteeredContact : public SteeredBody {
                                             const TickRecord& latest) const override {
     return latest.triangle;
   }
+  [[nodiscard]] const Channel* channel() const override {
+    const NeedleState* needle = body_->needle().state;
+    return needle == nullptr ? nullptr : channel_of(*needle);
+  }
   [[nodiscard]] bool turns() const noexcept override { return false; }
   void show(const std::vector<SteeredHand>& hand, ViewFrame& frame) override;
 
@@ -39,6 +44,7 @@ class SteeredContact : public SteeredBody {
   ElementStream stream_;
   AdjustedStream adjusted_;
   ViewDents dents_;
+  std::optional<ViewNeedle> needle_;  // of the latest frame
   std::unique_ptr<OneContact> body_;
 };
 

@@ -79,8 +79,14 @@ Json as_json(const std::vector<NodeDent>& dents) {
   return {{"node", nodes}, {"depth_m", depths_m}};
 }
 
+// Of the tool, of a needle that of its tip.
+double depth_m(const ViewFrame& frame, const TickRecord& tick) {
+  return frame.needle ? tip_m(*frame.needle, tick)
+                      : tick.depth_m + frame.contact.over_nominal_m;
+}
+
 // Every tick, as numbers of as many digits as a plot or a table needs.
-std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal_m) {
+std::string trace_text(const ViewFrame& frame, const std::vector<TickRecord>& ticks) {
   const auto column = [&](const char* key, auto&& value) {
     std::string text = fmt::format("\"{}\":[", key);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -105,7 +111,7 @@ std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal
          "," +
          column("depth_m",
                 [&](const TickRecord& t) {
-                  return t.depth_m + over_nominal_m;
+                  return depth_m(frame, t);
                 }) +
          "," +
          column("stored_j",
@@ -117,7 +123,13 @@ std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal
                 [](const TickRecord& t) {
                   return t.tank_j;
                 }) +
-         "," + column("memory_j", memory_j) + "}";
+         "," + column("memory_j", memory_j) +
+         (frame.needle ? "," + column("axial_n",
+                                      [&](const TickRecord& t) {
+                                        return axial_n(*frame.needle, t);
+                                      })
+                       : "") +
+         "}";
 }
 
 // Of any curve, as far as it is rendered; 1 N where there is none.
@@ -220,6 +232,12 @@ Json tool_json(const ViewedBody& body) {
           {"force_max_n", body.force_max_n}};
 }
 
+// Several contacts are coupled by the potential, and a needle needs a field.
+bool offers(const ViewedBody& body, LocalModel model) {
+  return body.hands.empty() ? body.table.puncture.empty() || is_field(model)
+                            : model == LocalModel::kPotential;
+}
+
 }  // namespace
 
 std::string body_bytes(const ResponseDatabase& database, const ResponseTable& table) {
@@ -254,7 +272,7 @@ std::string body_text(const ViewedBody& body) {
   const Provenance& provenance = body.database.provenance;
   Json models = Json::array();
   for (const LocalModel model : kLocalModels) {
-    if (body.hands.empty() || model == LocalModel::kPotential) {
+    if (offers(body, model)) {
       models.push_back(name(model));
     }
   }
@@ -283,11 +301,12 @@ std::string body_text(const ViewedBody& body) {
         {{"slow_hz", {ViewRanges::kSlowHzMin, body.fast_hz}},
          {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},
          {"friction", {0.0, ViewRanges::kFrictionMax}}}}});
+  text.back() = ',';
+  text += "\"puncture\":" + puncture_text(body.table.puncture);
   if (!body.hands.empty()) {
-    text.back() = ',';
-    text += "\"hands\":" + tools_text(body.hands) + "}";
+    text += ",\"hands\":" + tools_text(body.hands);
   }
-  return text;
+  return text + "}";
 }
 
 std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ticks) {
@@ -307,7 +326,7 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"hand_m", or_null(frame.hand_m)},
       {"pointer_m", or_null(frame.pointer_m)},
       {"force_n", now.force_n},
-      {"depth_m", now.depth_m + frame.contact.over_nominal_m},
+      {"depth_m", depth_m(frame, now)},
       {"stored_j", now.stored_j},
       {"tank_j", now.tank_j},
       {"memory_j", memory_j(now)},
@@ -332,7 +351,10 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
   if (frame.hands) {
     text += "," + hands_text(*frame.hands, ticks);
   }
-  return text + ",\"trace\":" + trace_text(ticks, frame.contact.over_nominal_m) + "}";
+  if (frame.needle) {
+    text += ",\"needle\":" + needle_text(*frame.needle, now);
+  }
+  return text + ",\"trace\":" + trace_text(frame, ticks) + "}";
 }
 
 std::string curve_text(const ResponseDatabase& database, const ResponseTable& table,

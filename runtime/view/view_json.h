@@ -18,6 +18,7 @@
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
 #include "runtime/view/view_hands.h"
+#include "runtime/view/view_needle.h"
 
 namespace palpate {
 
@@ -98,12 +99,14 @@ struct ViewFrame {
   ViewContact contact = {};
   std::vector<NodeDent> dents = {};
   std::optional<ViewHands> hands = {};      ///< of several contacts or two hands
+  std::optional<ViewNeedle> needle = {};    ///< of a tool that punctures
   std::optional<ViewService> service = {};  ///< of a body that is not whole yet
   ViewRun run = {};
   ViewSettings settings = {};
 };
 
-/// A frame with every tick since the last one.
+/// A frame with every tick since the last one. Depths are the tool's, of a needle the
+/// tip's.
 [[nodiscard]] std::string frame_text(const ViewFrame& frame,
                                      const std::vector<TickRecord>& ticks);
 

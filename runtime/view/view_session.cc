@@ -48,13 +48,16 @@ double reach_m(const ToolShape& tool, const Eigen::Quaterniond& turn,
   return most;
 }
 
-// Clear of the body: above touch by the deepest curve, at least 5 mm.
+// Above touch by the deepest curve.
+double clearance_m(const ResponseTable& table) {
+  return std::max(0.005, table.depth_max_m());
+}
+
+// Clear of the body.
 Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Quaterniond& turn,
                          const Eigen::Vector3d& point_m,
                          const Eigen::Vector3d& normal) {
-  return point_m +
-         (reach_m(table.tool, turn, normal) + std::max(0.005, table.depth_max_m())) *
-             normal;
+  return point_m + (reach_m(table.tool, turn, normal) + clearance_m(table)) * normal;
 }
 
 // One to press; without responses yet the highest one.
@@ -228,6 +231,9 @@ void ViewSession::let_go() {
 
 Eigen::Vector3d ViewSession::clear_of(std::size_t hand) const {
   const SteeredHand& held = hands_[hand];
+  if (const Channel* in = body_->channel()) {
+    return in->entry_m + clearance_m(*held.table) * in->axis;
+  }
   const ViewContact near = view_contact(database_, held.table->tool, search_,
                                         held.pointer.target().position_m,
                                         body_->triangle_under(hand, latest_));

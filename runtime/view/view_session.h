@@ -51,7 +51,8 @@ class ViewSession {
   /// @throws InputError for a hand that is not there, or a turn that nobody feels.
   void follow(const HandWish& wish);
 
-  /// All hands lift their tools, along the normal of the nearest point.
+  /// All hands lift their tools, along the normal of the nearest point; a needle along
+  /// its channel.
   void let_go();
 
   /// @throws InputError for a setting that this body does not have; then none is

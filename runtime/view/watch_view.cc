@@ -31,11 +31,12 @@ void count(ViewRun& run, const TickRecord& tick) {
 }  // namespace
 
 WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
-                     TickQueue& ticks, ContactsWatch* contacts, ServedNews* news)
+                     TickQueue& ticks, ServedNews* news)
     : body_(body),
       search_(body.database.body),
       ticks_(ticks),
-      contacts_(contacts),
+      contacts_(options.watch_contacts),
+      needle_(body.table.puncture.empty() ? nullptr : options.watch_needle),
       news_(news) {
   frame_.settings = {
       .model = options.model, .slow_hz = options.slow_hz, .fast_hz = options.fast_hz};
@@ -100,9 +101,13 @@ void WatchView::frame() {
   if (!passed.empty()) {
     frame_.now = passed.back();
     const Eigen::Map<const Eigen::Vector3d> tool(frame_.now.position_m.data());
+    if (needle_ != nullptr) {
+      static_cast<void>(needle_->fetch());
+      frame_.needle = view_needle(needle_->latest(), body_.table.tool, frame_.needle);
+    }
     if (tool.allFinite()) {
-      frame_.contact = view_contact(body_.database, body_.table.tool, search_, tool,
-                                    frame_.now.triangle);
+      frame_.contact = tool_contact(body_.database, body_.table.tool, search_, tool,
+                                    frame_.now.triangle, frame_.needle);
     }
   }
   frame_.state = state();

@@ -21,10 +21,10 @@ namespace palpate {
 class WatchView : public ViewApplication {
  public:
   /// All must outlive the view. @param ticks filled by the run, read here alone.
-  /// @param contacts likewise, of a tool of several contacts; else null. @param news of
-  /// a body whose responses come meanwhile; else null.
+  /// What `options` has of several contacts and needles, likewise. @param news of a
+  /// body whose responses come meanwhile; else null.
   WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks,
-            ContactsWatch* contacts = nullptr, ServedNews* news = nullptr);
+            ServedNews* news = nullptr);
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -44,6 +44,7 @@ class WatchView : public ViewApplication {
   SurfaceSearch search_;
   TickQueue& ticks_;
   ContactsWatch* contacts_;
+  NeedleWatch* needle_;
   ServedNews* news_;
   MonotonicClock clock_;
   ViewOutbox* outbox_ = nullptr;

@@ -69,6 +69,13 @@ TEST(Puncture, IsTheSameOnlyWithTheSameNumbers) {
   EXPECT_FALSE(same(puncture, other));
 }
 
+TEST(Puncture, TheLastLayerIsThatOfTheNode) {
+  const Puncture puncture = some_puncture(6);
+  EXPECT_EQ(last_layer_m(puncture, 4), 0.01);
+  EXPECT_EQ(last_layer_m(puncture, 1), puncture.layer_depth_m(1, 1));  // has two
+  EXPECT_EQ(last_layer_m(some_puncture(1), 5), 0.01);
+}
+
 TEST(Puncture, RowsOfNodesAreInTheirOrder) {
   const Puncture puncture = some_puncture(6);
   const std::vector<std::int32_t> nodes{4, 1};

@@ -119,8 +119,15 @@ TEST(NeedleStep, EachMembraneAddsItsPeak) {
   EXPECT_EQ(needle.channel().depth_m, 0.012);
   const double shaft_n = 20.0 * 0.002 + 10.0 * 0.010;
   EXPECT_NEAR(needle.peak_n, layered_n(layered_m(1.5) - 2e-4) + shaft_n, 0.01);
+  EXPECT_EQ(needle.channel().broke[2].force_n, 0.0);
   needle.go_to(0.012 + layered_m(1.5) + 2e-4, 0.01);
   EXPECT_EQ(needle.channel().layer, 2);
+  // Each membrane keeps its peak, and where the tip was; to a tick's way.
+  const auto& broke = needle.channel().broke;
+  EXPECT_NEAR(broke[0].force_n, kSkinN, 0.01);
+  EXPECT_NEAR(broke[0].tip_m, layered_m(kSkinN), 2e-5);
+  EXPECT_NEAR(broke[2].force_n, 1.5 + shaft_n, 0.01);
+  EXPECT_NEAR(broke[2].tip_m, 0.012 + layered_m(1.5), 2e-5);
 }
 
 TEST(NeedleStep, AFlowThroughSeveralMembranesEndsInTheLastThatYields) {

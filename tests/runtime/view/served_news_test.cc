@@ -165,7 +165,7 @@ TEST_F(ServedPage, WatchesADeviceAsWell) {
                           .fast_hz = 1000.0,
                           .force_max_n = 8.0};
   const auto ticks = std::make_unique<TickQueue>();
-  WatchView watch(viewed, {}, *ticks, nullptr, &news_);
+  WatchView watch(viewed, {}, *ticks, &news_);
   watch.answer_through(outbox_);
   outbox_.sent.clear();
   watch.opened(7);

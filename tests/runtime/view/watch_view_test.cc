@@ -10,6 +10,7 @@
 
 #include "formats/base/json_text.h"
 #include "formats/response/tool_support.h"
+#include "tests/support/layered_plate.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/sample_bodies.h"
 
@@ -129,7 +130,9 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
                         .force_max_n = 8.0,
                         .hands = {&pads}};
   const auto contacts = std::make_unique<ContactsWatch>();
-  WatchView view(body, options(), *ticks_, contacts.get());
+  SimulationOptions watched = options();
+  watched.watch_contacts = contacts.get();
+  WatchView view(body, watched, *ticks_);
   view.answer_through(outbox_);
   view.opened(1);
   ContactsSeen seen;
@@ -166,6 +169,38 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
   EXPECT_EQ(frame["compared"], false);
   EXPECT_EQ(frame["loads"]["force1_n"][0], 0.3);
   EXPECT_EQ(frame["loads"]["torque1_n_m"][0], 0.002);
+}
+
+// Of a needle, the channels of the tick that the fast thread showed last.
+TEST_F(WatchViewTest, ShowsANeedle) {
+  const ResponseDatabase punctured = layered_plate();
+  const ViewedBody body{.database = punctured,
+                        .table = punctured.tools[0],
+                        .name = "plate",
+                        .device = "falcon"};
+  const auto needle = std::make_unique<NeedleWatch>();
+  SimulationOptions watched = options();
+  watched.watch_needle = needle.get();
+  WatchView view(body, watched, *ticks_);
+  view.answer_through(outbox_);
+  view.opened(1);
+  NeedleState state;
+  state.channels = 1;
+  state.active = 0;
+  state.channel[0].axis = {0.0, 0.0, 1.0};
+  state.channel[0].entry_m = {0.001, 0.0, kLayerNeedleM};
+  state.channel[0].depth_m = 0.006;
+  needle->write(state);
+  ASSERT_TRUE(ticks_->push({.position_m = {0.001, 0.0, -0.005},
+                            .force_n = {0.1, 0.0, 0.4},
+                            .depth_m = 0.001}));
+  view.frame();
+  const nlohmann::json& frame = outbox_.frame[1];
+  EXPECT_EQ(frame["needle"]["in"], 0);
+  EXPECT_EQ(frame["needle"]["axial_n"], 0.4);
+  EXPECT_EQ(frame["needle"]["channels"][0]["depth_m"], 0.006);
+  EXPECT_NEAR(frame["depth_m"], 0.007, 1e-15);
+  EXPECT_NEAR(frame["penetration_m"], 0.001, 1e-15);
 }
 
 TEST_F(WatchViewTest, ShowsAFault) {
