@@ -23,6 +23,7 @@
 #include "precompute/build/unit_run.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/contact_coupling.h"
+#include "precompute/press/needle_curve.h"
 #include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
@@ -204,6 +205,8 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   report.node_spacing_m = strategy.spacing_m;
   report.notes = body.notes;
   report.notes.insert(report.notes.end(), strategy.notes.begin(), strategy.notes.end());
+  const std::vector<std::string> needles = needle_notes(scene);
+  report.notes.insert(report.notes.end(), needles.begin(), needles.end());
   if (options.resume && !checkpoint->holds_units() &&
       is_done_already(options, plan, report)) {
     report.resumed = report.units;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "formats/base/reproducible.h"
 #include "precompute/material/material.h"
 #include "precompute/press/node_yielding.h"
@@ -37,7 +39,7 @@ double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force
   return radius_m * t * reproducible::tanh(t);
 }
 
-void sharpen(const TipTissue& tissue, double radius_m, double ball_m,
+void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonlinear,
              NodeResponse& response) {
   if (response.depth_m.empty() || radius_m == ball_m) {
     return;
@@ -58,7 +60,25 @@ void sharpen(const TipTissue& tissue, double radius_m, double ball_m,
   if (response.tilt) {
     response.tilt->by_depth_per_m *= ball_end_m / response.depth_m.back();
   }
-  response.error_relative = std::hypot(response.error_relative, kSharpenError * part);
+  response.error_relative =
+      std::hypot(response.error_relative,
+                 (nonlinear ? kNonlinearSharpenError : kSharpenError) * part);
+}
+
+std::vector<std::string> needle_notes(const Scene& scene) {
+  std::vector<std::string> notes;
+  for (std::size_t t = 0; t < scene.tool_needle.size(); ++t) {
+    const auto& needle = scene.tool_needle[t];
+    if (needle && needle->press_radius_m > needle->radius_m &&
+        scene.reach.depth_max_m > kComparedRadii * needle->radius_m) {
+      notes.push_back(fmt::format(
+          "needle \"{}\": below {:.3g} mm, {:.0f} radii, its curve was compared with "
+          "no "
+          "press of a tip",
+          scene.tool[t].name, 1e3 * kComparedRadii * needle->radius_m, kComparedRadii));
+    }
+  }
+  return notes;
 }
 
 TipTissue tissue_at(const BodySource& body, std::int32_t vertex) {

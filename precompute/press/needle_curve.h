@@ -10,6 +10,10 @@
 // h is the depth at which a half-space bears F under a shaft with a hemispherical tip.
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "formats/response/response_table.h"
 #include "formats/scene/scene.h"
 #include "precompute/body/scene_body.h"
@@ -32,15 +36,26 @@ struct TipTissue {
 [[nodiscard]] double linear_tip_depth_m(const TipTissue& tissue, double radius_m,
                                         double force_n);
 
-/// [-] The error of the force over the difference of depths by the depth. Measured
-/// against presses of the small ball itself (needle_curve_test.cc).
-inline constexpr double kSharpenError = 0.2;
+/// [-] The error of the force over the difference of depths by the depth, for linear
+/// presses and for nonlinear ones, whose h is not linear. Measured against presses of
+/// the small ball itself, down to kComparedRadii (tests/bench/needle_curve).
+inline constexpr double kSharpenError = 0.4;
+inline constexpr double kNonlinearSharpenError = 1.0;
+
+/// [-] Depth over radius beyond which nothing was compared. The force of a soft solid
+/// then grows with the square of the depth (Shojaeifard and Bacca 2025), that of h with
+/// the depth.
+inline constexpr double kComparedRadii = 4.0;
 
 /// Makes a needle's response of that of its ball: forces stay, depths grow. The tilt
 /// stays at each force. The error grows by kSharpenError.
 /// @param response of a ball of `ball_m`. @param radius_m [m] (0, ball_m].
-void sharpen(const TipTissue& tissue, double radius_m, double ball_m,
+/// @param nonlinear the ball was pressed so.
+void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonlinear,
              NodeResponse& response);
+
+/// A sentence for each needle that a scene presses deeper than was compared.
+[[nodiscard]] std::vector<std::string> needle_notes(const Scene& scene);
 
 /// The tissue right below a vertex.
 [[nodiscard]] TipTissue tissue_at(const BodySource& body, std::int32_t vertex);

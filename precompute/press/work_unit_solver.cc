@@ -161,7 +161,7 @@ void sharpen_needles(const Scene& scene, const BodySource& body,
     }
     if (const auto& needle = scene.tool_needle[tool]) {
       sharpen(tissue_at(body, node.vertex), needle->radius_m, needle->press_radius_m,
-              node.response);
+              is_nonlinear(scene, body), node.response);
       fail_if_broken(node);
     }
   }

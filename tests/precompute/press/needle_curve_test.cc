@@ -68,7 +68,7 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   ball.tilt = TiltLine{.tilt = {0.1, 0.0, 0.0}, .by_depth_per_m = {20.0, 0.0, 0.0}};
   ball.error_relative = 0.03;
   NodeResponse needle = ball;
-  sharpen(kTissue, 0.0005, 0.003, needle);
+  sharpen(kTissue, 0.0005, 0.003, false, needle);
   EXPECT_EQ(needle.force_n, ball.force_n);
   EXPECT_EQ(needle.depth_m[0], 0.0);
   for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
@@ -81,11 +81,27 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   const double part = 1.0 - ball.depth_m[9] / needle.depth_m[9];
   EXPECT_GE(needle.error_relative, std::hypot(0.03, kSharpenError * part) - 1e-12);
   EXPECT_LT(needle.error_relative, kSharpenError);
+  NodeResponse nonlinear = ball;
+  sharpen(kTissue, 0.0005, 0.003, true, nonlinear);
+  EXPECT_EQ(nonlinear.depth_m, needle.depth_m);
+  EXPECT_GT(nonlinear.error_relative, 2.0 * needle.error_relative);
   // A needle as large as its ball is its ball.
   NodeResponse same = ball;
-  sharpen(kTissue, 0.003, 0.003, same);
+  sharpen(kTissue, 0.003, 0.003, true, same);
   EXPECT_EQ(same.depth_m, ball.depth_m);
   EXPECT_EQ(same.error_relative, ball.error_relative);
+}
+
+TEST(NeedleNotes, AreOfNeedlesThatGoDeeperThanWasCompared) {
+  Scene scene;
+  scene.tool.resize(3);
+  scene.tool_needle.resize(3);
+  scene.reach.depth_max_m = 0.005;
+  scene.tool_needle[1] = SceneNeedle{.radius_m = 0.001, .press_radius_m = 0.002};
+  scene.tool_needle[2] = SceneNeedle{.radius_m = 0.001, .press_radius_m = 0.001};
+  EXPECT_EQ(needle_notes(scene).size(), 1U);
+  scene.reach.depth_max_m = 0.0039;
+  EXPECT_TRUE(needle_notes(scene).empty());
 }
 
 class PressedNeedle : public testing::Test {
