@@ -40,6 +40,15 @@ void add_spheres(const ToolShape& tool, std::size_t port, std::size_t table,
   }
 }
 
+void refuse_needle(const PressingTool& tool) {
+  if (!tool.puncture.empty()) {
+    throw InputError(fmt::format(
+        "tool \"{}\" is a needle, and contacts that are coupled puncture nothing: "
+        "render it alone, or beside others as a tool of its own",
+        tool.shape.name));
+  }
+}
+
 void check_renderable(const PressingTool& tool, int contacts) {
   const std::string& name = tool.shape.name;
   if (tool.compliance.empty()) {
@@ -147,6 +156,9 @@ CoupledSet coupled_set(std::span<const PressingTool> tools) {
   std::size_t first = 0;
   for (std::size_t port = 0; port < tools.size(); ++port) {
     const ToolShape& tool = tools[port].shape;
+    if (tools.size() > 1 || !tool.contact.empty()) {
+      refuse_needle(tools[port]);
+    }
     add_spheres(tool, port, first, set);
     first += radii_of(tool);
   }

@@ -31,11 +31,13 @@ struct PressingTool {
   explicit PressingTool(const Table& table)
       : shape(table.tool),
         compliance(table.compliance),
-        relaxation(table.viscoelasticity) {}
+        relaxation(table.viscoelasticity),
+        puncture(table.puncture) {}
 
   const ToolShape& shape;
   const ComplianceTable& compliance;  ///< its rows are not looked at
   const Viscoelasticity& relaxation;  ///< likewise
+  const Puncture& puncture;           ///< likewise
 };
 
 /// Responses of a tool's radius number r (radius_of_contacts()).
@@ -56,8 +58,8 @@ struct PressingTool {
 /// tool without a contact set is one sphere of its nominal radius.
 /// @param tools (1 to kPortsMax). The first one's table of compliance couples all.
 /// @throws InputError, in one sentence, where there are several contacts and a tool has
-/// no table of compliance, or relaxes with curves of a press. @throws InputError for
-/// too many contacts or radii.
+/// no table of compliance, or relaxes with curves of a press, or is a needle. @throws
+/// InputError for too many contacts or radii.
 [[nodiscard]] CoupledSet coupled_set(std::span<const PressingTool> tools);
 [[nodiscard]] CoupledSet coupled_set(std::span<const ResponseTable* const> tools);
 

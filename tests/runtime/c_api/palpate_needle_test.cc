@@ -250,6 +250,10 @@ TEST_F(PalpateNeedle, WrongCallsSayWhy) {
             PALPATE_ERROR_INPUT);
   EXPECT_EQ(palpate_channels_get(tool.handle(), &channel, 1, 0, error, sizeof error),
             PALPATE_ERROR_INPUT);
+  EXPECT_NE(refused([&] {
+              return body.add_together();
+            }).find("\"ball\" is a needle, and contacts that are coupled"),
+            std::string::npos);
   palpate_options element = options();
   element.model = "element";
   EXPECT_NE(refused([&] {

@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "runtime/slow/coupled_storage.h"
 #include "tests/support/padded_plate.h"
+#include "tests/support/punctured_sphere.h"
 
 namespace palpate {
 namespace {
@@ -88,6 +89,23 @@ TEST(ContactElements, RefusesInOneSentenceWhatCannotBeRendered) {
   const ResponseDatabase plain = padded_plate(3);
   EXPECT_NE(refusal(plain, {"ball", "ball", "ball"}).find("3 tools"),
             std::string::npos);
+}
+
+// Beside another hand, or with spheres; alone it is no matter of contacts.
+TEST(ContactElements, RefusesNeedles) {
+  ResponseDatabase database = padded_plate(3);
+  for (ResponseTable& table : database.tools) {
+    table.puncture = some_puncture(1);
+  }
+  const std::string why = "\"ball\" is a needle, and contacts that are coupled";
+  EXPECT_NE(refusal(database, {"ball", "ball"}).find(why), std::string::npos);
+  EXPECT_NE(refusal(database, {"pads"}).find("\"pads\" is a needle"),
+            std::string::npos);
+  EXPECT_EQ(refusal(database, {"ball"}), "");
+  ResponseDatabase one = padded_plate(1);
+  EXPECT_EQ(refusal(one, {"pads"}), "");
+  one.tools[1].puncture = some_puncture(1);
+  EXPECT_NE(refusal(one, {"pads"}), "");
 }
 
 ContactToolState at_height(const CoupledSet& set, double z) {
