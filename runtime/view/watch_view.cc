@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/view/view_curve.h"
 #include "runtime/view/view_field.h"
 
 namespace palpate {
