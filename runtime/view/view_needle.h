@@ -49,8 +49,8 @@ struct ViewNeedle {
 /// force when each membrane broke, of the layers entered.
 [[nodiscard]] std::string needle_text(const ViewNeedle& needle, const TickRecord& now);
 
-/// What of a puncture does not change: names of materials, where the deepest layer that
-/// a needle gets to begins, and the mouth; "null" of a tool that does not puncture.
+/// What of a puncture does not change: names of materials and the mouth. "deepest_m" is
+/// where the deepest layer begins that a needle gets to. "null" without puncture.
 [[nodiscard]] std::string puncture_text(const ResponseTable& table);
 
 }  // namespace palpate

@@ -12,9 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Places are drawn as singles of a body of 0.1 m.
-constexpr double kDrawnM = 1e-5;
-
 void expect_near(const Json& at, const Json& from, const Json& axis, double depth_m) {
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(at.at(k).get<double>(),
@@ -82,6 +79,7 @@ TEST(ViewNeedlePage, ANeedleIsPushedInPulledOutAndFindsItsChannel) {
   EXPECT_GT(seen["again"]["points"].size(), 1U);
   EXPECT_EQ(seen["reset"]["tubes"], Json::array());
   EXPECT_EQ(seen["reset"]["marks"], Json::array());
+  EXPECT_EQ(seen["reset"]["points"], Json::array());
 }
 
 }  // namespace

@@ -341,7 +341,7 @@ def needle(page, watcher, seen):
     def deeper():
         if page.text("state") == "free":  # a stall of the page has let go
             page.keys("p")
-        page.keys("]")
+        page.keys("]]]")
         return page.number("membranes") > 1
 
     page.wait(deeper)
@@ -364,6 +364,7 @@ def needle(page, watcher, seen):
     page.wait(lambda: page.text("state") == "free")
     page.keys("r")
     page.wait(lambda: page.text("membranes") == "0")
+    settled(page)
     seen["reset"] = in_a_frame(page, NEEDLE)
 
 

@@ -18,6 +18,7 @@ export class NeedlePlot {
 
   clear() {
     this.passes = [];
+    this.inside = false;
     this.channel = null;  // whose layers are shown: the one that the needle is or was in
     this.marks = [];      // { depth_mm, force_n, material } of membranes that broke there
     this.fresh = true;
@@ -38,11 +39,11 @@ export class NeedlePlot {
   }
 
   // From the runtime: the ticks of a frame.
-  take({ needle, trace, time_s: time }) {
-    if (time < (this.time ?? 0)) {
+  take({ needle, trace, run }) {
+    if (run.ticks < (this.ticks ?? 0)) {  // a new run
       this.clear();
     }
-    this.time = time;
+    this.ticks = run.ticks;
     trace.depth_m.forEach((depth, i) => this.add(1e3 * depth, trace.axial_n[i]));
     this.channel = needle.channels[needle.in] ?? this.shown(needle);
     this.marks = (this.channel?.broke_m ?? []).map((depth, k) =>

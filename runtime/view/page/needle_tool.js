@@ -13,7 +13,7 @@ export class NeedleTool {
     this.radius = Math.max(text.puncture.mouth_m, 0.005 * size);
     this.tip = text.tool.radius_m;
     this.channels = [];
-    this.inside = rod(this.radius, new three.MeshBasicMaterial({ color: "#f4f8fa", depthTest: false, transparent: true }));
+    this.inside = rod(0.7 * this.radius, new three.MeshBasicMaterial({ color: "#f4f8fa", depthTest: false, transparent: true }));
     this.inside.renderOrder = 6;
     this.inside.visible = false;
     scene.add(this.inside);
@@ -32,12 +32,12 @@ export class NeedleTool {
 
   makeChannel({ materials }) {
     const tubes = materials.map((material) => {
-      const tube = rod(2.2 * this.radius, new three.MeshBasicMaterial({ color: css(layerColour(material)), transparent: true, opacity: 0.75, depthTest: false }));
+      const tube = rod(2.6 * this.radius, new three.MeshBasicMaterial({ color: css(layerColour(material)), transparent: true, opacity: 0.75, depthTest: false }));
       tube.renderOrder = 5;
       tube.userData.material = material;
       return tube;
     });
-    const rim = new three.Mesh(new three.RingGeometry(2.2 * this.radius, 3.6 * this.radius, 32), new three.MeshBasicMaterial({
+    const rim = new three.Mesh(new three.RingGeometry(2.6 * this.radius, 3.8 * this.radius, 32), new three.MeshBasicMaterial({
       color: css(layerColour(materials[0])), side: three.DoubleSide, depthTest: false, transparent: true }));
     rim.renderOrder = 8;
     this.scene.add(...tubes, rim);
