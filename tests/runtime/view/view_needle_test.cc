@@ -9,7 +9,6 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
-#include "formats/response/tool_support.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_session.h"
 #include "tests/support/punctured_plate.h"

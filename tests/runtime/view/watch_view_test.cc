@@ -184,6 +184,8 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   WatchView view(body, watched, *ticks_);
   view.answer_through(outbox_);
   view.opened(1);
+  view.frame();
+  EXPECT_EQ(outbox_.frame[1]["needle"]["in"], -1);  // there before any tick
   NeedleState state;
   state.channels = 1;
   state.active = 0;
