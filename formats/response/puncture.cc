@@ -123,10 +123,17 @@ bool same(const Puncture& a, const Puncture& b) {
 }
 
 double last_layer_m(const Puncture& puncture, std::int64_t node) {
+  const Eigen::Index row = puncture.layer_depth_m.rows() == 1 ? 0 : node;
   double last_m = 0.0;
-  for (const double begins_m :
-       puncture.layer_depth_m.row(puncture.layer_depth_m.rows() == 1 ? 0 : node)) {
-    last_m = std::isfinite(begins_m) ? std::max(last_m, begins_m) : last_m;
+  for (Eigen::Index k = 0; k < puncture.layer_depth_m.cols(); ++k) {
+    const std::int32_t material = puncture.layer_material(row, k);
+    if (material < 0) {
+      break;
+    }
+    last_m = puncture.layer_depth_m(row, k);
+    if (std::isinf(puncture.membrane_n[static_cast<std::size_t>(material)])) {
+      break;
+    }
   }
   return last_m;
 }

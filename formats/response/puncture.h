@@ -60,7 +60,8 @@ struct Puncture {
 /// Whether both hold the same numbers, where NaN is NaN.
 [[nodiscard]] bool same(const Puncture& a, const Puncture& b);
 
-/// [m] where the last layer below a node begins. @param node row of the whole.
+/// [m] where the last layer that a needle gets to begins below a node; nothing enters a
+/// membrane that never breaks. @param node row of the whole.
 [[nodiscard]] double last_layer_m(const Puncture& puncture, std::int64_t node);
 
 /// One line for people: what is broken, cut and rubbed against; empty for nothing.

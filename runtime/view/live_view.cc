@@ -6,6 +6,7 @@
 #include <string>
 
 #include "formats/base/error.h"
+#include "runtime/view/view_curve.h"
 #include "runtime/view/view_field.h"
 #include "runtime/view/view_json.h"
 

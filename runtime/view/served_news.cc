@@ -12,6 +12,7 @@
 #include "formats/base/json_text.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/response/response_curve.h"
+#include "runtime/view/view_curve.h"
 
 namespace palpate {
 namespace {

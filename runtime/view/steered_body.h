@@ -8,6 +8,7 @@
 
 #include "formats/database/response_database.h"
 #include "runtime/hand/pointer_hand.h"
+#include "runtime/needle/channel.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_message.h"

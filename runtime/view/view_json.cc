@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/report/html_page.h"
 #include "formats/report/surface_map.h"
@@ -36,32 +35,9 @@ Json list(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-Eigen::Vector3d row(const Points& points, std::int32_t i) {
-  return points.row(i).transpose();
-}
-
 // Text of a file may be no UTF-8; then its odd bytes are replaced, not thrown at.
 std::string dumped(const Json& json) {
   return json_text(json);
-}
-
-std::string_view origin_name(std::uint8_t origin) {
-  constexpr std::array<std::string_view, 4> kNames{"none", "simulated", "interpolated",
-                                                   "measured"};
-  return origin < kNames.size() ? kNames[origin] : "unknown";
-}
-
-Json flag_names(std::uint8_t flags) {
-  constexpr std::array<std::string_view, kResponseFlags> kNames{
-      "falling curve", "force capped", "coarse contact", "error over budget",
-      "failed",        "extrapolated", "truncated path", "near-singular load path"};
-  Json names = Json::array();
-  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
-    if ((flags >> bit & 1U) != 0U) {
-      names.push_back(kNames[bit]);
-    }
-  }
-  return names;
 }
 
 // What dents hold, by the account.
@@ -132,11 +108,16 @@ std::string trace_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
          "}";
 }
 
-// Of any curve, as far as it is rendered; 1 N where there is none.
+// Of any curve, or that breaks a membrane, as far as it is rendered; 1 N where there is
+// none.
 double largest_force_n(const ViewedBody& body) {
-  const std::vector<double>& force_n = body.table.force_n;
-  const auto most = std::max_element(force_n.begin(), force_n.end());
-  return most != force_n.end() && *most > 0.0 ? std::min(*most, body.force_max_n) : 1.0;
+  double most_n = 0.0;
+  for (const auto* all : {&body.table.force_n, &body.table.puncture.membrane_n}) {
+    for (const double force_n : *all) {
+      most_n = std::isfinite(force_n) ? std::max(most_n, force_n) : most_n;
+    }
+  }
+  return most_n > 0.0 ? std::min(most_n, body.force_max_n) : 1.0;
 }
 
 // null for what there is not.
@@ -302,7 +283,7 @@ std::string body_text(const ViewedBody& body) {
          {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},
          {"friction", {0.0, ViewRanges::kFrictionMax}}}}});
   text.back() = ',';
-  text += "\"puncture\":" + puncture_text(body.table.puncture);
+  text += "\"puncture\":" + puncture_text(body.table);
   if (!body.hands.empty()) {
     text += ",\"hands\":" + tools_text(body.hands);
   }
@@ -355,38 +336,6 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
     text += ",\"needle\":" + needle_text(*frame.needle, now);
   }
   return text + ",\"trace\":" + trace_text(frame, ticks) + "}";
-}
-
-std::string curve_text(const ResponseDatabase& database, const ResponseTable& table,
-                       std::int32_t node) {
-  if (node < 0 || node >= table.nodes()) {
-    throw InputError(
-        fmt::format("node {} is not there, the body has {}", node, table.nodes()));
-  }
-  const auto i = static_cast<std::size_t>(node);
-  const CurveView curve = table.curve(node);
-  Json json{{"type", "curve"},
-            {"node", node},
-            {"position_m", list(row(database.body.position_m, node))},
-            {"normal", list(row(database.normal, node))},
-            {"direction", list(row(table.direction, node))},
-            {"direction_spread_rad", table.direction_spread_rad[i]},
-            {"origin", origin_name(table.origin[i])},
-            {"flags", flag_names(table.flags[i])},
-            {"error_relative", table.error_relative[i]},
-            {"stiffness_max_n_per_m", table.stiffness_max_n_per_m[i]},
-            {"touch_offset_m", table.touch_offset_m[i]},
-            {"depth_m", Json::array()},
-            {"force_n", Json::array()}};
-  constexpr int kPoints = 60;  // of the cubic between its samples
-  for (int k = 0; k <= kPoints && !curve.depth_m.empty(); ++k) {
-    const double depth_m = curve.depth_max_m() * k / kPoints;
-    json["depth_m"].push_back(depth_m);
-    json["force_n"].push_back(curve.at(depth_m).force_n);
-  }
-  json["sample_depth_m"] = curve.depth_m;
-  json["sample_force_n"] = curve.force_n;
-  return dumped(json);
 }
 
 std::string role_text(bool controls) {

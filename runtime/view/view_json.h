@@ -110,10 +110,6 @@ struct ViewFrame {
 [[nodiscard]] std::string frame_text(const ViewFrame& frame,
                                      const std::vector<TickRecord>& ticks);
 
-/// The curve of a node. @throws InputError for a node that is not there.
-[[nodiscard]] std::string curve_text(const ResponseDatabase& database,
-                                     const ResponseTable& table, std::int32_t node);
-
 /// "controller" or "watcher".
 [[nodiscard]] std::string role_text(bool controls);
 

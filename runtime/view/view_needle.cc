@@ -75,7 +75,7 @@ ViewContact tool_contact(const ResponseDatabase& database, const ToolShape& tool
   if (in == nullptr) {
     return view_contact(database, tool, search, x_m, from);
   }
-  ViewContact at = view_contact(database, tool, search, in->image_m(x_m), from);
+  ViewContact at = view_contact(database, tool, search, in->entry_m, from);
   at.turn = turn_from_z(in->axis);
   return at;
 }
@@ -99,13 +99,16 @@ std::string needle_text(const ViewNeedle& needle, const TickRecord& now) {
                         {"channels", channels}});
 }
 
-std::string puncture_text(const Puncture& puncture) {
+std::string puncture_text(const ResponseTable& table) {
+  const Puncture& puncture = table.puncture;
   if (puncture.empty()) {
     return "null";
   }
   double deepest_m = 0.0;
-  for (Eigen::Index row = 0; row < puncture.layer_depth_m.rows(); ++row) {
-    deepest_m = std::max(deepest_m, last_layer_m(puncture, row));
+  for (std::int64_t node = 0; node < table.nodes(); ++node) {
+    if (!table.curve(node).depth_m.empty()) {
+      deepest_m = std::max(deepest_m, last_layer_m(puncture, node));
+    }
   }
   return json_text(Json{{"materials", puncture.material},
                         {"deepest_m", deepest_m},

@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 #include "formats/recording/recording.h"
-#include "formats/response/puncture.h"
 #include "runtime/fast/needle_step.h"
 #include "runtime/view/view_contact.h"
 
@@ -35,8 +34,8 @@ struct ViewNeedle {
 /// channel all of the force.
 [[nodiscard]] double axial_n(const ViewNeedle& needle, const TickRecord& tick);
 
-/// view_contact(). Of a needle in a channel the surface feels the tip's image, and the
-/// needle stands along the channel.
+/// view_contact(). A needle in a channel presses no surface: the contact is where it
+/// went in, and the needle stands along the channel.
 [[nodiscard]] ViewContact tool_contact(const ResponseDatabase& database,
                                        const ToolShape& tool,
                                        const SurfaceSearch& search,
@@ -50,8 +49,8 @@ struct ViewNeedle {
 /// force when each membrane broke, of the layers entered.
 [[nodiscard]] std::string needle_text(const ViewNeedle& needle, const TickRecord& now);
 
-/// What of a puncture does not change: names of materials, where the deepest layer
-/// begins, and the mouth; "null" of a tool that does not puncture.
-[[nodiscard]] std::string puncture_text(const Puncture& puncture);
+/// What of a puncture does not change: names of materials and the mouth. "deepest_m" is
+/// where the deepest layer begins that a needle gets to. "null" without puncture.
+[[nodiscard]] std::string puncture_text(const ResponseTable& table);
 
 }  // namespace palpate

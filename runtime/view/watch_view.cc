@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/view/view_curve.h"
 #include "runtime/view/view_field.h"
 
 namespace palpate {
@@ -98,13 +99,13 @@ void WatchView::frame() {
     count(frame_.run, *tick);
     ticks_.pop();
   }
+  if (needle_ != nullptr) {
+    static_cast<void>(needle_->fetch());
+    frame_.needle = view_needle(needle_->latest(), body_.table.tool, frame_.needle);
+  }
   if (!passed.empty()) {
     frame_.now = passed.back();
     const Eigen::Map<const Eigen::Vector3d> tool(frame_.now.position_m.data());
-    if (needle_ != nullptr) {
-      static_cast<void>(needle_->fetch());
-      frame_.needle = view_needle(needle_->latest(), body_.table.tool, frame_.needle);
-    }
     if (tool.allFinite()) {
       frame_.contact = tool_contact(body_.database, body_.table.tool, search_, tool,
                                     frame_.now.triangle, frame_.needle);

@@ -21,6 +21,9 @@
 
 namespace palpate {
 
+/// Places are drawn as singles of a body of 0.1 m, states change until the page pauses.
+inline constexpr double kDrawnM = 1e-5;
+
 inline bool has_browser() {
   return std::filesystem::exists("/usr/bin/chromium") &&
          std::filesystem::exists("/usr/bin/chromedriver") &&

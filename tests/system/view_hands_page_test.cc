@@ -16,9 +16,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Places are drawn as singles of a body of 0.1 m, states change until the page pauses.
-constexpr double kDrawnM = 1e-5;
-
 Eigen::Vector3d vector(const Json& v) {
   return {v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>()};
 }

@@ -1,7 +1,7 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
 view_page.py PALPATE-RUN DATABASE [FOLDER for pictures]
-             [--no-3d | --dimple | --standing | --contacts | --pinch]
+             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle]
 """
 
 import json
@@ -92,6 +92,13 @@ class Page:
 
     def keys(self, keys):
         self.body.send_keys(keys)
+
+    def entry(self):
+        """Of the first channel on the canvas, from its middle [pixels]."""
+        return self.driver.execute_script("""
+            const { view, state } = window.palpate;
+            const at = view.vector(state.needle.channels[0].entry_m).project(view.camera);
+            return [0.5 * at.x * view.width, -0.5 * at.y * view.height].map(Math.round);""")
 
     def picture(self, name):
         if self.folder:
@@ -303,6 +310,64 @@ def pinch(page, watcher, seen):
     seen["released"] = hands(page)
 
 
+# A needle as it is drawn and plotted, beside what the runtime said of it.
+NEEDLE = """
+const { view, state, needle } = window.palpate;
+view.scene.updateMatrixWorld(true);
+const end = (tube) => tube.localToWorld(view.centre.clone().set(0, 1, 0)).toArray();
+const text = (id) => document.getElementById(id).textContent;
+return {
+  state: { ...state, trace: null },
+  tubes: view.needle.channels.map(({ tubes }) => tubes.filter(({ visible }) => visible).map(end)),
+  tip: view.needle.inside.visible ? end(view.needle.inside) : null,
+  marks: needle.plot.marks, points: needle.plot.passes.map(({ length }) => length),
+  deepest_mm: Math.max(...needle.plot.passes.flat().map(([mm]) => mm)),
+  force: text("force"), depth: text("depth"), membranes: text("membranes"), rupture: text("rupture"),
+  layer: text("layer_now"), plotted: document.getElementById("needle_plot").checkVisibility(),
+};
+"""
+
+
+def inserted(page):
+    return int(page.text("membranes")) > 0 and "tip in" in page.text("layer_now")
+
+
+def needle(page, watcher, seen):
+    """A needle: pushed in by keys until membranes break, pulled back, let go, and inserted again."""
+    page.keys("p")
+    page.wait(lambda: page.number("force") > 0.01)
+    seen["before"] = in_a_frame(page, NEEDLE)
+
+    def deeper():
+        if page.text("state") == "free":  # a stall of the page has let go
+            page.keys("p")
+        page.keys("]]]")
+        return page.number("membranes") > 1
+
+    page.wait(deeper)
+    page.wait(lambda: inserted(page))
+    settled(page)
+    seen["inserted"] = in_a_frame(page, NEEDLE)
+    page.picture("needle_in")
+    page.keys(Keys.ESCAPE)
+    page.wait(lambda: page.text("state") == "free" and page.text("force") == "0.000" and not inserted(page))
+    settled(page)
+    seen["withdrawn"] = in_a_frame(page, NEEDLE)
+    page.picture("needle_out")
+    canvas = page.driver.find_element(By.ID, "canvas")
+    page.keys("[[")
+    ActionChains(page.driver).key_down(Keys.SHIFT).move_to_element_with_offset(canvas, *page.entry()).click_and_hold().perform()
+    page.wait(lambda: inserted(page))
+    settled(page)
+    seen["again"] = in_a_frame(page, NEEDLE)
+    ActionChains(page.driver).release().key_up(Keys.SHIFT).perform()
+    page.wait(lambda: page.text("state") == "free")
+    page.keys("r")
+    page.wait(lambda: page.text("membranes") == "0")
+    settled(page)
+    seen["reset"] = in_a_frame(page, NEEDLE)
+
+
 def main():
     tool, database, *more = sys.argv[1:]
     flat = "--no-3d" in more
@@ -336,6 +401,8 @@ def main():
             contacts(page, watcher, seen)
         elif "--pinch" in more:
             pinch(page, watcher, seen)
+        elif "--needle" in more:
+            needle(page, watcher, seen)
         else:
             if not flat:
                 poke_by_mouse(page, watcher, seen)

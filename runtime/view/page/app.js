@@ -6,6 +6,7 @@ import { drawArrowKey, drawColourBar, drawScaleBar } from "/bars.js";
 import { fetchBody, Link } from "/link.js";
 import { Grip, GripPanel } from "/grip.js";
 import { History } from "/history.js";
+import { deepestPress, Needle } from "/needle.js";
 import { savePicture, saveTable, toggleVideo } from "/save.js";
 import { Served } from "/served.js";
 import { Settings } from "/settings.js";
@@ -26,7 +27,8 @@ class App {
       : ["time_s", "force_n", "depth_m", "stored_j", "tank_j", "memory_j"]);
     this.plots = new TickPlots(get("plots"), this.history, rows);
     this.curve = new CurvePlot(get("curve_plot"));
-    this.pressMax = 2.0 * body.text.depth_max_m;
+    this.needle = body.text.puncture ? new Needle(body) : null;
+    this.pressMax = deepestPress(body.text);
     this.press = 0.6 * body.text.depth_max_m;
     this.place = null;    // the cursor on the surface
     this.holding = false;
@@ -82,6 +84,7 @@ class App {
     this.state = state;
     this.history.add({ ...state.trace, ...state.loads });
     this.fresh = true;
+    this.needle?.take(state);
     if (!this.place) {
       this.setPlace(this.grip ? this.grip.start(state) : this.surface.under(state.tool_m));
     }
@@ -170,6 +173,7 @@ class App {
 
   forgetHold() {
     this.holding = false;
+    this.needle?.forget();
     this.grip?.hands.forEach((hand) => { hand.held = false; });
   }
 
@@ -197,7 +201,7 @@ class App {
 
   sendPoint() {
     if (!this.grip) {
-      this.link.hold(this.surface.target(this.place, this.press));
+      this.link.hold((this.needle ?? this.surface).target(this.place, this.press));
     }
     this.grip?.hands.forEach((hand, i) => {
       if (hand.held) {
@@ -282,6 +286,7 @@ class App {
     const { dataset } = document.documentElement;
     dataset.theme = dataset.theme === "dark" ? "light" : "dark";
     this.plots.build();
+    this.needle?.plot.build();
     this.view?.recolour();
   }
 
@@ -297,8 +302,10 @@ class App {
     if (now - (this.drawn ?? 0) > 50) {
       this.drawn = now;
       this.plots.draw();
+      this.needle?.plot.draw();
       if (this.state && !this.grip) {
-        this.curve.at(this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
+        // In a channel a needle is on no curve.
+        this.curve.at(this.state.needle?.in >= 0 ? 0 : this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
       }
     }
     if (this.view && now >= (this.nextPicture ?? 0)) {
@@ -314,6 +321,7 @@ class App {
     const put = (id, text) => { if (get(id).textContent !== text) { get(id).textContent = text; } };
     put("force", Math.hypot(...state.force_n).toFixed(3));
     this.contacts?.show(state, put);
+    this.needle?.show(state, put);
     if (state.service) {
       this.served?.show(state);
     }

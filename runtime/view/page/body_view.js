@@ -2,6 +2,7 @@
 import * as three from "/vendor.min.js";
 import { ContactTools } from "/contact_tools.js";
 import { colourRamp } from "/figures.js";
+import { NeedleTool } from "/needle_tool.js";
 import { css, lay, rod } from "/shapes.js";
 import { toolGeometries } from "/tool_shape.js";
 import { Yielding } from "/yielding.js";
@@ -77,6 +78,9 @@ export class BodyView {
       vertexColors: true, roughness: 0.55, metalness: 0.0, side: three.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     this.surface.frustumCulled = false;
+    if (this.body.text.puncture) {  // its channels are seen
+      Object.assign(this.surface.material, { transparent: true, opacity: 0.72, depthWrite: false, forceSinglePass: false });
+    }
     this.wire = new three.Mesh(pressed, new three.MeshStandardMaterial({
       color: "#0b1014", wireframe: true, transparent: true, opacity: 0.35 }));
     this.wire.frustumCulled = false;
@@ -113,8 +117,10 @@ export class BodyView {
     const metal = new three.MeshStandardMaterial({ color: "#dfe6ea", roughness: 0.25, metalness: 0.1,
                                                    transparent: true, opacity: 0.62 });
     this.tool = new three.Group();
-    this.tool.add(...toolGeometries(shape).map((geometry) => new three.Mesh(geometry, metal)));
-    if (handle > shape.top_m) {
+    this.needle = this.body.text.puncture
+      ? new NeedleTool(this.scene, this.body.text, this.size) : null;
+    this.tool.add(...(this.needle?.meshes() ?? toolGeometries(shape).map((geometry) => new three.Mesh(geometry, metal))));
+    if (handle > shape.top_m && !this.needle) {
       const shaft = rod(0.28 * shape.half_width_m, metal);
       lay(shaft, new three.Vector3(0, 0, shape.top_m), new three.Vector3(0, 0, handle));
       this.tool.add(shaft);
@@ -150,6 +156,9 @@ export class BodyView {
     this.perspective = new three.PerspectiveCamera(32, 1, near, 40 * this.size);
     this.orthographic = new three.OrthographicCamera(-1, 1, 1, -1, near, 40 * this.size);
     this.camera = this.perspective;
+    if (this.needle) {  // stands out far
+      this.centre.z += 0.18 * this.size;
+    }
     for (const camera of [this.perspective, this.orthographic]) {
       camera.up.set(0, 0, 1);
       camera.position.copy(this.centre).add(new three.Vector3(0.9, -3.0, 1.75).multiplyScalar(1.08 * this.size));
@@ -244,6 +253,12 @@ export class BodyView {
     this.tool.position.copy(tool);
     this.tool.quaternion.fromArray(state.tool_turn);
     const hand = new three.Vector3().fromArray(state.hand_m ?? state.tool_m);
+    if (this.needle) {  // held at its hub
+      const grip = this.needle.grip(this.tool.quaternion);
+      tool.add(grip);
+      hand.add(grip);
+      this.presses += this.needle.show(state) ? 1 : 0;
+    }
     this.hand.visible = state.holding;
     this.hand.position.copy(hand);
     lay(this.band, tool, hand);
@@ -257,6 +272,7 @@ export class BodyView {
 
   recolour() {
     this.contacts?.recolour();
+    this.needle?.recolour();
     this.hand.material.color.copy(css("hand"));
     this.band.material.color.copy(css("hand"));
     this.cursor.material.color.copy(css("hand"));

@@ -5,11 +5,11 @@ import { Plot } from "/figures.js";
 const kWindowS = 8;
 const kPoints = 1600;
 
-function colour(name) {
+export function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-function axis(extra) {
+export function axis(extra) {
   return {
     stroke: colour("dim"), font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif",
     grid: { stroke: colour("line"), width: 1 }, ticks: { stroke: colour("line"), width: 1, size: 4 },
@@ -17,7 +17,7 @@ function axis(extra) {
   };
 }
 
-function titled(parent, title) {
+export function titled(parent, title) {
   const box = document.createElement("div");
   box.className = "plot";
   const heading = document.createElement("h3");

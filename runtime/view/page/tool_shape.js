@@ -43,6 +43,15 @@ function polyhedron({ position_m: position, triangle }) {
   return geometry;
 }
 
+// A needle's shaft from its tip, which lies `tip` below the reference point, and its hub.
+export function needleGeometries(radius, tip, length) {
+  const [bevel, hub] = [-tip + 5 * radius, 3.2 * radius];
+  const top = length + 6 * hub;
+  return [[[[0, -tip], [radius, bevel]], [[radius, bevel], [radius, length]]],
+          [[[0, length], [hub, length]], [[hub, length], [hub, top]], [[hub, top], [0, top]]]]
+    .map((pieces) => pieces.map(revolved));
+}
+
 export function toolGeometries(shape) {
   return shape.position_m ? [polyhedron(shape)] : shape.outline_m.map(revolved);
 }

@@ -74,6 +74,9 @@ TEST(Puncture, TheLastLayerIsThatOfTheNode) {
   EXPECT_EQ(last_layer_m(puncture, 4), 0.01);
   EXPECT_EQ(last_layer_m(puncture, 1), puncture.layer_depth_m(1, 1));  // has two
   EXPECT_EQ(last_layer_m(some_puncture(1), 5), 0.01);
+  Puncture stopped = some_puncture(1);
+  stopped.membrane_n[1] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(last_layer_m(stopped, 0), stopped.layer_depth_m(0, 1));
 }
 
 TEST(Puncture, RowsOfNodesAreInTheirOrder) {

@@ -9,7 +9,6 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
-#include "formats/response/tool_support.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_session.h"
 #include "tests/support/layered_plate.h"
@@ -68,13 +67,13 @@ TEST_F(ViewNeedleTest, SaysWhereTheChannelIsAndWhatBroke) {
   EXPECT_NEAR(channel["broke_n"][0], kLayerSkinN, 0.02);
   EXPECT_NEAR(channel["broke_m"][0], kLayerSkinN / kLayerNPerM, 1e-4);
   EXPECT_GE(channel["broke_m"][1], 0.005);
-  // Depths are the tip's. Beyond the channel's end lies what the surface feels.
+  // Depths are the tip's. Beyond the channel's end it deforms the tissue before it.
   const double tip_m = text_["depth_m"];
   EXPECT_NEAR(tip_m, kLayerNeedleM - frame_.now.position_m[2], 1e-6);
   const double ahead_m = tip_m - channel["depth_m"].get<double>();
   EXPECT_GT(ahead_m, 0.0);
   EXPECT_LE(ahead_m, kLayerCutN / kLayerNPerM + 1e-6);
-  EXPECT_NEAR(text_["penetration_m"], ahead_m, 1e-6);
+  EXPECT_NEAR(text_["penetration_m"], 0.0, 1e-6);
   EXPECT_EQ(text_["trace"]["axial_n"].size(), text_["trace"]["depth_m"].size());
   EXPECT_NEAR(text_["trace"]["axial_n"].back(), frame_.now.force_n[2], 1e-5);
   EXPECT_NEAR(text_["trace"]["depth_m"].back(), tip_m, 1e-7);

@@ -184,6 +184,8 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   WatchView view(body, watched, *ticks_);
   view.answer_through(outbox_);
   view.opened(1);
+  view.frame();
+  EXPECT_EQ(outbox_.frame[1]["needle"]["in"], -1);  // there before any tick
   NeedleState state;
   state.channels = 1;
   state.active = 0;
@@ -200,7 +202,7 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   EXPECT_EQ(frame["needle"]["axial_n"], 0.4);
   EXPECT_EQ(frame["needle"]["channels"][0]["depth_m"], 0.006);
   EXPECT_NEAR(frame["depth_m"], 0.007, 1e-15);
-  EXPECT_NEAR(frame["penetration_m"], 0.001, 1e-15);
+  EXPECT_NEAR(frame["penetration_m"], 0.0, 1e-15);
 }
 
 TEST_F(WatchViewTest, ShowsAFault) {

@@ -1,0 +1,174 @@
+// Force along a needle against the depth of its tip, as it is made: layers as bands, and
+// where membranes broke.
+import { uPlot } from "/vendor.min.js";
+import { axis, colour, titled } from "/plots.js";
+
+const kPasses = 4;      // that are shown, the last one clearly
+const kPoints = 3000;   // of each
+const kStepMm = 0.02;   // between points, or ...
+const kStepN = 0.002;
+
+export class NeedlePlot {
+  constructor(parent, puncture) {
+    this.parent = parent;
+    this.puncture = puncture;
+    this.clear();
+    this.build();
+  }
+
+  clear() {
+    this.passes = [];
+    this.inside = false;
+    this.channel = null;  // whose layers are shown: the one that the needle is or was in
+    this.marks = [];      // { depth_mm, force_n, material } of membranes that broke there
+    this.fresh = true;
+  }
+
+  build() {
+    this.parent.replaceChildren();
+    const range = (name) => () => this.range()[name];
+    this.plot = new uPlot({
+      width: Math.max(240, this.parent.clientWidth - 2), height: 172, legend: { show: false }, cursor: { show: false },
+      padding: [8, 8, 0, 0],
+      scales: { x: { time: false, range: range("x") }, y: { range: range("y") } },
+      axes: [axis({ size: 26, values: (_, v) => v.map((mm) => `${mm} mm`) }), axis({ size: 46, space: 26 })],
+      series: [{}, { paths: () => null, points: { show: false } }],
+      hooks: { drawClear: [() => this.drawLayers()], draw: [() => this.drawPasses()] },
+    }, [[0, 1], [0, 1]], titled(this.parent, "Force along the needle [N] against depth of the tip"));
+    this.fresh = true;
+  }
+
+  // From the runtime: the ticks of a frame.
+  take({ needle, trace, run }) {
+    if (run.ticks < (this.ticks ?? 0)) {  // a new run
+      this.clear();
+    }
+    this.ticks = run.ticks;
+    trace.depth_m.forEach((depth, i) => this.add(1e3 * depth, trace.axial_n[i]));
+    this.channel = needle.channels[needle.in] ?? this.shown(needle);
+    this.marks = (this.channel?.broke_m ?? []).map((depth, k) =>
+      ({ depth_mm: 1e3 * depth, force_n: this.channel.broke_n[k], material: this.channel.materials[k] }));
+    this.fresh ||= trace.depth_m.length > 0;
+  }
+
+  // The channel that was shown before, or the latest one.
+  shown({ channels }) {
+    return channels.find(({ entry_m: entry }) => `${entry}` === `${this.channel?.entry_m}`) ?? channels.at(-1) ?? null;
+  }
+
+  add(depth_mm, force_n) {
+    if (depth_mm <= 0 && Math.abs(force_n) < 1e-6) {
+      this.inside = false;
+      return;
+    }
+    if (!this.inside) {
+      this.inside = true;
+      this.passes.push([]);
+      this.passes = this.passes.slice(-kPasses);
+    }
+    const pass = this.passes.at(-1);
+    const last = pass.at(-1);
+    if (!last || Math.abs(depth_mm - last[0]) > kStepMm || Math.abs(force_n - last[1]) > kStepN) {
+      pass.push([depth_mm, force_n]);
+      if (pass.length > kPoints) {
+        pass.splice(0, pass.length - kPoints);
+      }
+    }
+  }
+
+  range() {
+    const points = [...this.passes.flat(), ...this.marks.map((mark) => [mark.depth_mm, mark.force_n])];
+    let [deep, high, low] = [5, 0.2, 0];
+    for (const [depth, force] of points) {
+      [deep, high, low] = [Math.max(deep, depth), Math.max(high, force), Math.min(low, force)];
+    }
+    const layers = this.channel?.layers_m ?? [];
+    return { x: [0, 1.06 * Math.max(deep, 1.1e3 * (layers.at(-1) ?? 0))], y: [1.15 * low, 1.15 * high] };
+  }
+
+  draw() {
+    if (this.fresh) {
+      this.fresh = false;
+      const { x, y } = this.range();
+      this.plot.setData([x, y]);
+    }
+  }
+
+  // Bands and boundaries of the layers below the place.
+  drawLayers() {
+    if (!this.channel) {
+      return;
+    }
+    const { ctx, bbox: { left, top, width, height } } = this.plot;
+    const ratio = devicePixelRatio;
+    const { layers_m: begins, materials } = this.channel;
+    const at = (mm) => Math.min(left + width, Math.max(left, this.plot.valToPos(mm, "x", true)));
+    ctx.save();
+    ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "middle";
+    begins.forEach((begin, k) => {
+      const [from, to] = [at(1e3 * begin), k + 1 < begins.length ? at(1e3 * begins[k + 1]) : left + width];
+      const tint = colour(`layer${materials[k] % 8}`);
+      ctx.fillStyle = tint;
+      ctx.globalAlpha = 0.16;
+      ctx.fillRect(from, top, to - from, height);
+      ctx.globalAlpha = 0.9;
+      ctx.strokeStyle = tint;
+      ctx.lineWidth = ratio;
+      ctx.setLineDash([4 * ratio, 3 * ratio]);
+      ctx.beginPath();
+      ctx.moveTo(from, top);
+      ctx.lineTo(from, top + height);
+      ctx.stroke();
+      const name = this.puncture.materials[materials[k]];
+      if (ctx.measureText(name).width < to - from - 6 * ratio) {
+        ctx.fillText(name, from + 4 * ratio, top + 9 * ratio);
+      }
+    });
+    ctx.restore();
+  }
+
+  drawPasses() {
+    const { ctx, bbox: { left, top, width, height } } = this.plot;
+    const ratio = devicePixelRatio;
+    const pixel = ([mm, force]) => [this.plot.valToPos(mm, "x", true), this.plot.valToPos(force, "y", true)];
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(left, top, width, height);
+    ctx.clip();
+    ctx.strokeStyle = colour("force");
+    ctx.lineWidth = 1.5 * ratio;
+    this.passes.forEach((pass, i) => {
+      ctx.globalAlpha = i + 1 === this.passes.length ? 1 : 0.35;
+      ctx.beginPath();
+      pass.forEach((point) => ctx.lineTo(...pixel(point)));
+      ctx.stroke();
+    });
+    ctx.globalAlpha = 1;
+    ctx.font = `600 ${11 * ratio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "middle";
+    for (const { depth_mm: mm, force_n: force, material } of this.marks) {
+      const [x, y] = pixel([mm, force]);
+      this.disc(ctx, x, y, 4 * ratio, colour(`layer${material % 8}`));
+      ctx.fillStyle = colour("text");
+      ctx.fillText(force.toFixed(2), x + 7 * ratio, y);
+    }
+    const now = this.inside ? this.passes.at(-1)?.at(-1) : null;
+    if (now) {
+      this.disc(ctx, ...pixel(now), 4 * ratio, colour("hand"));
+    }
+    ctx.restore();
+  }
+
+  disc(ctx, x, y, radius, fill) {
+    ctx.beginPath();
+    ctx.arc(x, y, radius, 0, 2 * Math.PI);
+    ctx.fillStyle = fill;
+    ctx.fill();
+    ctx.strokeStyle = colour("ground");
+    ctx.lineWidth = 0.3 * radius;
+    ctx.stroke();
+  }
+}
