@@ -31,22 +31,6 @@ bool yields_well(const NodeMemory& node) {
          node.soft_most < 1.0;
 }
 
-bool well_formed(const NodePuncture& node) {
-  if (node.layers < 0 || node.layers > static_cast<std::int32_t>(kPunctureLayers) ||
-      !(node.rupture >= 0.0)) {
-    return false;
-  }
-  for (std::size_t k = 0; k < static_cast<std::size_t>(node.layers); ++k) {
-    const bool begins =
-        k == 0 ? node.depth_m[0] == 0.0 : node.depth_m[k] > node.depth_m[k - 1];
-    if (!begins || !std::isfinite(node.depth_m[k]) || node.material[k] < 0 ||
-        node.material[k] >= kPunctureMaterials) {
-      return false;
-    }
-  }
-  return true;
-}
-
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
     const bool none = node.samples == 0;
@@ -83,6 +67,22 @@ int slot_for(const ElementCache& cache, std::int32_t triangle) {
 }
 
 }  // namespace
+
+bool well_formed(const NodePuncture& node) noexcept {
+  if (node.layers < 0 || node.layers > static_cast<std::int32_t>(kPunctureLayers) ||
+      !(node.rupture >= 0.0)) {
+    return false;
+  }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(node.layers); ++k) {
+    const bool begins =
+        k == 0 ? node.depth_m[0] == 0.0 : node.depth_m[k] > node.depth_m[k - 1];
+    if (!begins || !std::isfinite(node.depth_m[k]) || node.material[k] < 0 ||
+        node.material[k] >= kPunctureMaterials) {
+      return false;
+    }
+  }
+  return true;
+}
 
 bool well_formed(const ElementMemory& memory) noexcept {
   const auto most_terms = static_cast<std::int32_t>(kMemoryTerms);

@@ -35,6 +35,7 @@ struct ElementCache {
 
 /// Whether counts and values are in the ranges that element.h states.
 [[nodiscard]] bool well_formed(const ElementMemory& memory) noexcept;
+[[nodiscard]] bool well_formed(const NodePuncture& node) noexcept;
 
 /// Stores a copy. The slot is that of the same triangle, else an empty one, else the
 /// oldest; never the pinned one. Refuses an element without triangle, with a sample

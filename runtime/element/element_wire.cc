@@ -63,8 +63,8 @@ struct Reader {
 };
 
 // The order of a node's values, for both.
-template <typename Pass, typename Node, typename Memory>
-void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
+template <typename Pass, typename Node, typename Memory, typename Below>
+void pass_node(Pass& pass, Node& node, Memory& memory, Below& below) noexcept {
   // Bytes of a node, r of each Real:
   //   0            8        index, samples (int32)
   //   8            15 r     position, normal, direction, tilt, its change with height
@@ -97,6 +97,11 @@ void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
   pass(memory.onset_m);
   pass(memory.soft_scale_m);
   pass(memory.soft_most);
+  //   24 + 230 r   10 + 7 r layers (int32), rupture, depths (6), materials (int8)
+  pass(below.layers);
+  pass(below.rupture);
+  pass(below.depth_m);
+  pass(below.material);
 }
 
 constexpr unsigned kActive = 1;
@@ -124,7 +129,7 @@ void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
   pass(element.memory.relaxation_s);
   pass(element.touch_height_m);
   for (std::size_t j = 0; j < 3; ++j) {
-    pass_node(pass, element.node[j], element.memory.node[j]);
+    pass_node(pass, element.node[j], element.memory.node[j], element.puncture[j]);
   }
 }
 
@@ -157,6 +162,10 @@ bool well_sent(const Element& element, const Head& head) {
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
                        return well_sent(node);
+                     }) &&
+         std::all_of(element.puncture.begin(), element.puncture.end(),
+                     [](const NodePuncture& node) {
+                       return well_formed(node);
                      });
 }
 

@@ -57,9 +57,9 @@ struct PressingTool {
 /// The contacts of tools that press one body together, each in a hand of its own. A
 /// tool without a contact set is one sphere of its nominal radius.
 /// @param tools (1 to kPortsMax). The first one's table of compliance couples all.
-/// @throws InputError, in one sentence, where there are several contacts and a tool has
-/// no table of compliance, or relaxes with curves of a press, or is a needle. @throws
-/// InputError for too many contacts or radii.
+/// @throws InputError for coupled contacts of a needle, or of a tool that has no table
+/// of compliance or relaxes with curves of a press. @throws InputError for too many
+/// contacts or radii.
 [[nodiscard]] CoupledSet coupled_set(std::span<const PressingTool> tools);
 [[nodiscard]] CoupledSet coupled_set(std::span<const ResponseTable* const> tools);
 

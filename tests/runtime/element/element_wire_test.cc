@@ -35,6 +35,12 @@ Element element(std::uint64_t sequence) {
   made.sequence = sequence;
   made.sent_ns = 1000 * static_cast<std::int64_t>(sequence);
   made.active = sequence % 3 == 0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    made.puncture[j] = {.layers = 2,
+                        .rupture = 1.5 + static_cast<double>(j),
+                        .depth_m = {0.0, 0.002},
+                        .material = {3, 1}};
+  }
   return made;
 }
 
@@ -78,6 +84,10 @@ std::vector<std::uint64_t> receive_all(ElementReceiver& receiver, const Bytes& w
           EXPECT_EQ(out.memory.node[j].onset_m, 0.002);
           EXPECT_EQ(out.memory.node[j].soft_scale_m, 0.003);
           EXPECT_EQ(out.memory.node[j].soft_most, 0.5);
+          EXPECT_EQ(out.puncture[j].layers, 2);
+          EXPECT_EQ(out.puncture[j].rupture, sent.puncture[j].rupture);
+          EXPECT_EQ(out.puncture[j].depth_m, sent.puncture[j].depth_m);
+          EXPECT_EQ(out.puncture[j].material, sent.puncture[j].material);
         }
         EXPECT_TRUE(out.memory.yields);
         EXPECT_EQ(out.memory.terms, 2);
@@ -101,17 +111,20 @@ TEST(ElementWire, FrameHasTheBytesThatItsDescriptionSays) {
   WireFrame frame;
   Element sent = element(3);
   encode(sent, 0x01020304, frame);
-  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x04\x00\x03\x00\x04\x03\x02\x01", 12), 0);
+  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x05\x00\x03\x00\x04\x03\x02\x01", 12), 0);
   EXPECT_EQ(std::memcmp(frame.data() + 44, "\x02\x00\x08\x00", 4), 0);
   double number = -1.0;
   std::memcpy(&number, frame.data() + 48 + 8, 8);
   EXPECT_EQ(number, 4.5);
-  std::memcpy(&number, frame.data() + 88 + 1864 + 8 + 144 + 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 1930 + 8 + 144 + 8, 8);
   EXPECT_EQ(number, sent.node[1].depth_m[1]);
-  std::memcpy(&number, frame.data() + 88 + 3 * 1864 - 6 * 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 - 6 * 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].cut_m[6]);
-  std::memcpy(&number, frame.data() + 88 + 3 * 1864 - 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 - 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].soft_most);
+  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 + 4 + 2 * 8, 8);
+  EXPECT_EQ(number, sent.puncture[2].depth_m[1]);
+  EXPECT_EQ(frame[88 + 3 * 1930 - 6], std::byte{3});
 }
 
 TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
@@ -119,7 +132,7 @@ TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     add(wire, element(i));
   }
-  for (const std::size_t piece : {1UL, 7UL, 64UL, 5531UL, 5532UL, 5533UL, 99999UL}) {
+  for (const std::size_t piece : {1UL, 7UL, 64UL, 5881UL, 5882UL, 5883UL, 99999UL}) {
     ElementReceiver receiver;
     EXPECT_EQ(receive_all(receiver, wire, piece), (Sequences{1, 2, 3, 4, 5})) << piece;
     EXPECT_EQ(receiver.counts.accepted, 5U);
@@ -232,6 +245,15 @@ TEST(ElementWire, WrongValuesUnderARightChecksumAreRefused) {
   }));
   EXPECT_TRUE(refused([](Element& e) {
     std::swap(e.memory.node[2].cut_m[0], e.memory.node[2].cut_m[3]);
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.puncture[1].layers = 7;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.puncture[2].depth_m[1] = 0.0;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.puncture[0].material[1] = 8;
   }));
 }
 
