@@ -11,7 +11,7 @@
 namespace palpate {
 
 double RenderedStiffness::largest_n_per_m() const noexcept {
-  return std::max(normal_n_per_m, friction_n_per_m);
+  return std::max(normal_n_per_m + shaft_n_per_m, friction_n_per_m);
 }
 
 RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_max_n) {
@@ -26,7 +26,7 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
   }
   const ResponseTable& table = pressed ? rendered : stored;
   const Yielding& yielding = table.viscoelasticity.yielding;
-  RenderedStiffness largest;
+  RenderedStiffness largest{.shaft_n_per_m = stored.puncture.shaft_n_per_m};
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto node = static_cast<std::size_t>(i);
     const CurveView curve = table.curve(i);

@@ -18,11 +18,13 @@ struct RenderedStiffness {
   /// [N/m] largest k_t = mu f / delta_L of the friction spring, f at the end of the
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
+  double shaft_n_per_m = 0.0;  ///< [N/m] of a needle's shaft in its channel
   /// [N/m] at the border of the reach, where the field falls to nothing within an
   /// element; 0: not known. Stated, not demanded.
   double border_n_per_m = 0.0;
 
-  /// The first two act at right angles, so the larger bounds the Jacobian of the force.
+  /// Curve and friction act at right angles, so the larger bounds the Jacobian of the
+  /// force. A shaft acts along the tip's curve.
   [[nodiscard]] double largest_n_per_m() const noexcept;
 };
 

@@ -46,6 +46,22 @@ TEST(RenderedStiffness, IsTheLargestSlopeAndTheFrictionSpringAtTheLargestForce) 
   EXPECT_EQ(stiffness.largest_n_per_m(), stiffness.friction_n_per_m);
 }
 
+// Tip and shaft of a needle are felt together, along one axis.
+TEST(RenderedStiffness, IsOfANeedlesTipAndShaftTogether) {
+  ResponseDatabase database = sample_database(
+      plate(0.1, 4), ball(0.0005, 0.0, 0.0),
+      [](Eigen::Index /*node*/, double d) {
+        return 100.0 * d;
+      },
+      0.01);
+  EXPECT_NEAR(rendered_stiffness(database.tools[0], 3.0).largest_n_per_m(), 100.0,
+              1e-9);
+  database.tools[0].puncture.shaft_n_per_m = 60.0;
+  const RenderedStiffness stiffness = rendered_stiffness(database.tools[0], 3.0);
+  EXPECT_NEAR(stiffness.normal_n_per_m, 100.0, 1e-9);
+  EXPECT_NEAR(stiffness.largest_n_per_m(), 160.0, 1e-9);
+}
+
 TEST(MarginTable, GivesAVerdictOnEveryBound) {
   const StabilityBounds bounds = stability_bounds(kDevice, 1e-3);
   const std::string table = margin_table(bounds, 500.0);
