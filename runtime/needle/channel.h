@@ -57,7 +57,7 @@ struct PunctureRules {
 /// Null if the rules are valid, else what is wrong with them, one line.
 [[nodiscard]] const char* check(const PunctureRules& rules) noexcept;
 
-/// When a membrane broke.
+/// When a membrane broke; zero of one that broke in an earlier run.
 struct Rupture {
   Real tip_m = 0.0;    ///< [m] z
   Real force_n = 0.0;  ///< [N] along the axis, on the tool, before it fell

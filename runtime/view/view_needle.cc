@@ -32,8 +32,9 @@ Json channel_json(const Channel& channel, double tip_below_m) {
     begins.push_back(channel.layers.depth_m[i]);
     materials.push_back(channel.layers.material[i]);
     if (k <= channel.layer) {
-      broke_m.push_back(channel.broke[i].tip_m);
-      broke_n.push_back(channel.broke[i].force_n);
+      const bool known = channel.broke[i].force_n > 0.0;
+      broke_m.push_back(known ? Json(channel.broke[i].tip_m) : Json());
+      broke_n.push_back(known ? Json(channel.broke[i].force_n) : Json());
     }
   }
   return {{"entry_m", numbers(channel.entry_m - tip_below_m * channel.axis)},

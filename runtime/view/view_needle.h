@@ -46,7 +46,7 @@ struct ViewNeedle {
 /// inserted length, counts and energies of NeedleState. "channels" has each with entry
 /// of the tip, axis outward, depth and layers. Layers have the depths where they begin
 /// and rows of puncture_text()'s materials. "broke_m" and "broke_n" are tip depth and
-/// force when each membrane broke, of the layers entered.
+/// force when each membrane broke, of the layers entered; null of an earlier run.
 [[nodiscard]] std::string needle_text(const ViewNeedle& needle, const TickRecord& now);
 
 /// What of a puncture does not change: names of materials and the mouth. "deepest_m" is

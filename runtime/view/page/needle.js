@@ -85,7 +85,7 @@ export class Needle {
     put("membranes", String(needle.membranes));
     put("layer_now", needle.in >= 0 ? `· tip in ${materials[channel.materials[last]]}` : needle.channels.length > 0
       ? `· ${needle.channels.length} ${needle.channels.length > 1 ? "channels" : "channel"}` : "");
-    put("rupture", last >= 0 ? channel.broke_n[last].toFixed(3) : "–");
+    put("rupture", channel?.broke_n[last]?.toFixed(3) ?? "–");
     put("rupture_at", last >= 0 ? `N, ${materials[channel.materials[last]]}` : "");
     for (const [id, joule] of [["crack", needle.crack_j], ["released", needle.released_j], ["shaft", needle.shaft_j]]) {
       put(id, (1e3 * joule).toFixed(3));

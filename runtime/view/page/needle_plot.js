@@ -47,7 +47,8 @@ export class NeedlePlot {
     trace.depth_m.forEach((depth, i) => this.add(1e3 * depth, trace.axial_n[i]));
     this.channel = needle.channels[needle.in] ?? this.shown(needle);
     this.marks = (this.channel?.broke_m ?? []).map((depth, k) =>
-      ({ depth_mm: 1e3 * depth, force_n: this.channel.broke_n[k], material: this.channel.materials[k] }));
+      ({ depth_mm: 1e3 * depth, force_n: this.channel.broke_n[k], material: this.channel.materials[k] }))
+      .filter((mark) => mark.force_n !== null);  // of this run
     this.fresh ||= trace.depth_m.length > 0;
   }
 

@@ -47,6 +47,25 @@ class ViewNeedleTest : public testing::Test {
   Json text_;
 };
 
+// What broke in an earlier run left a channel, and no numbers.
+TEST_F(ViewNeedleTest, ShowsTheChannelOfAnEarlierRun) {
+  push_to(0.02);
+  const Json before = text_["needle"]["channels"][0];
+  ViewSessionOptions later = options();
+  later.surface = session_.kept();
+  ViewSession session(database_, later);
+  session.advance(1);
+  const Json needle =
+      parse_json(frame_text(session.frame(), session.take_ticks()))["needle"];
+  ASSERT_EQ(needle["channels"].size(), 1U);
+  const Json& channel = needle["channels"][0];
+  EXPECT_EQ(needle["in"], -1);
+  EXPECT_EQ(channel["entry_m"], before["entry_m"]);
+  EXPECT_EQ(channel["depth_m"], before["depth_m"]);
+  EXPECT_EQ(channel["broke_n"].size(), before["broke_n"].size());
+  EXPECT_TRUE(channel["broke_n"][0].is_null());
+}
+
 TEST_F(ViewNeedleTest, SaysWhereTheChannelIsAndWhatBroke) {
   push_to(0.004);
   EXPECT_EQ(text_["needle"]["in"], -1);
