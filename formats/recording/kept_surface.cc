@@ -18,7 +18,7 @@ constexpr double kUnit = 1e-6;  // an axis' length may be off by
   throw FormatError(fmt::format("{}: {}", where, what));
 }
 
-void check_sites(const std::vector<YieldedRow>& rows, const std::string& where) {
+void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where) {
   std::int32_t before = -1;
   std::int32_t table = 0;
   for (const YieldedRow& row : rows) {
@@ -120,7 +120,7 @@ YieldedRow largest_of(const std::vector<YieldedRow>& rows) {
 }
 
 void check_kept(const KeptSurface& surface, const std::string& where) {
-  check_sites(surface.yielded, where);
+  check_yielded(surface.yielded, where);
   check_channels(surface.channels, where);
 }
 
