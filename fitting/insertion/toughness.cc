@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/puncture.h"
 
 namespace palpate {
 
@@ -22,7 +23,7 @@ NeedleEstimate toughness_of(const NeedleEstimate& cutting_n, double edge_width_m
 }
 
 std::string toughness_warning(const NeedleEstimate& toughness) {
-  if (!(toughness.value > kToughnessMax)) {
+  if (!(toughness.value > kToughestPuncture)) {
     return "";
   }
   return fmt::format(
@@ -31,7 +32,7 @@ std::string toughness_warning(const NeedleEstimate& toughness) {
       "tissue: is the edge wider, or is a tear test meant? Tear and notch tests give "
       "15 "
       "to 27 times the toughness of a needle",
-      toughness.value, kToughnessMax);
+      toughness.value, kToughestPuncture);
 }
 
 }  // namespace palpate

@@ -13,16 +13,12 @@
 
 namespace palpate {
 
-/// More is of no needle: porcine skin has 1136 J/m^2 for a needle, 17100 to 30400 by
-/// tearing (Chinese Journal of Mechanical Engineering
-/// 2022, 10.1186/s10033-022-00767-4).
-constexpr double kToughnessMax = 3000.0;  ///< [J/m^2]
-
 /// Refused as the cutting force is. @param edge_width_m > 0. @throws InputError else.
 [[nodiscard]] NeedleEstimate toughness_of(const NeedleEstimate& cutting_n,
                                           double edge_width_m);
 
-/// One sentence where the toughness is above kToughnessMax; empty otherwise.
+/// One sentence where the toughness is above kToughestPuncture (puncture.h); empty
+/// otherwise.
 [[nodiscard]] std::string toughness_warning(const NeedleEstimate& toughness);
 
 }  // namespace palpate

@@ -68,7 +68,7 @@ void begin_channels(const std::vector<ChannelRow>& rows, const PunctureRules& ru
   for (const ChannelRow& row : rows) {
     const auto most =
         *std::max_element(row.layer_material.begin(), row.layer_material.end());
-    if (row.table != 0 || most >= rules.materials) {
+    if (most >= rules.materials) {
       throw InputError(fmt::format(
           "a surface with a needle's channel through material number {}, the tool "
           "punctures {}",

@@ -79,11 +79,12 @@ std::unique_ptr<YieldedSites> sites_of(const std::vector<YieldedRow>& rows, int 
 }
 
 // @throws InputError for a row of a table that the body does not have.
-void check_tables(const std::vector<YieldedRow>& rows, int tables) {
-  for (const YieldedRow& row : rows) {
+template <typename Row>
+void check_tables(const std::vector<Row>& rows, int tables) {
+  for (const Row& row : rows) {
     if (row.table < 0 || row.table >= tables) {
       throw InputError(fmt::format(
-          "a surface that has yielded by responses number {}, the tools have {}",
+          "a surface that was pressed by responses number {}, the tools have {}",
           row.table, tables));
     }
   }
@@ -147,6 +148,7 @@ KeptSurface kept_surface(const CoupledState& state) {
 
 void begin_kept(const KeptSurface& kept, FastState& state) {
   check_tables(kept.yielded, 1);
+  check_tables(kept.channels, 1);
   const std::unique_ptr<YieldedSites> sites = sites_of(kept.yielded, 0);
   begin_channels(kept.channels, state.config.puncture, state.needle);
   state.memory.yielded = *sites;

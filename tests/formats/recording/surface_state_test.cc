@@ -62,59 +62,6 @@ TEST(SurfaceStateFile, ReadsTheChannelsThatWereWritten) {
   EXPECT_NE(punctured().tool, state().tool);
 }
 
-TEST(SurfaceStateFile, BrokenChannelsAreRefused) {
-  const ScratchFolder folder;
-  const auto said = [&](auto breaks) {
-    SurfaceState broken = punctured();
-    breaks(broken.tool["ball"].channels[1]);
-    write_surface_state(folder / "s.h5", broken);
-    return refusal([&] {
-      (void)read_surface_state(folder / "s.h5");
-    });
-  };
-  EXPECT_EQ(said([](ChannelRow&) {}), "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.depth_m = -1e-9;
-            }).find("/tools/ball: channel 1 has a depth of -1e-09 m"),
-            std::string::npos);
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.axis[2] = 0.81;
-            }).find("must be finite and a unit vector"),
-            std::string::npos);
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.entry_m[0] = std::nan("");
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer = 3;
-            }).find("the tip in layer 3"),
-            std::string::npos);
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer = -1;
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_depth_m[0] = 1e-3;
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_depth_m[2] = 0.002;
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_material[1] = -1;
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_material[2] = 128;
-            }),
-            "");
-  EXPECT_NE(said([](ChannelRow& c) {
-              c.layer_material[4] = 1;
-            }),
-            "");
-}
-
 TEST(SurfaceStateFile, OfAnotherBodyIsRefusedByName) {
   const ScratchFolder folder;
   write_surface_state(folder / "s.h5", state());
