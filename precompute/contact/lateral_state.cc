@@ -203,9 +203,17 @@ void correct_lateral_states(const PressedState& pressed, const RestSolve& solve,
                        return s.lateral;
                      });
   const double times = stiffness_ratio(C, punch.rate).trace() / there.trace() - 1.0;
+  take_tangent(indentation, pressed.penetration_m, times);
+}
+
+void take_tangent(Indentation& indentation, double penetration_m, double times) {
+  if (indentation.sample.empty()) {
+    return;
+  }
+  const double touch_m = indentation.sample.front().penetration_m;
   for (PatchState& state : indentation.contact) {
     const double share = std::clamp(
-        (state.penetration_m - touch_m) / (pressed.penetration_m - touch_m), 0.0, 1.0);
+        (state.penetration_m - touch_m) / (penetration_m - touch_m), 0.0, 1.0);
     state.lateral *= 1.0 + share * times;
     state.by_tangent = times;
   }
