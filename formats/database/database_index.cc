@@ -168,6 +168,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   }
   tool.sha256.resize(index.chunks(), kSha256Bytes);
   tool.tilt_sha256.resize(table.tilt.rows() > 0 ? index.chunks() : 0, kSha256Bytes);
+  tool.contact_sha256.resize(table.contact.empty() ? 0 : index.chunks(), kSha256Bytes);
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
     const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
     const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
@@ -184,6 +185,9 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     set_digest(tool.sha256, k, chunk_digest(part));
     if (table.tilt.rows() > 0) {
       set_digest(tool.tilt_sha256, k, tilt_digest(part));
+    }
+    if (!table.contact.empty()) {
+      set_digest(tool.contact_sha256, k, contact_digest(part.contact));
     }
   }
   tool.sample_begin.push_back(table.sample_begin.back());
@@ -282,6 +286,16 @@ std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
   Sha256 digest;
   add(digest, chunk.value);
   add(digest, chunk.mode);
+  return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> contact_digest(const ContactTable& chunk) {
+  Sha256 digest;
+  for_each_contact_dataset(
+      chunk, [&](const char* /*name*/, const char* /*units*/, Eigen::Index /*columns*/,
+                 const RowsOf<float>& rows) {
+        add(digest, rows);
+      });
   return bytes_of(digest);
 }
 

@@ -45,6 +45,7 @@ struct ToolIndex {
   Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
   Sha256Rows puncture_sha256;    ///< (1 x 32) puncture_digest(); none without puncture
+  Sha256Rows contact_sha256;     ///< (c x 32) contact_digest(); none without contact
 };
 
 /// Chunks of neighbouring nodes. Nodes and triangles are counted as the file orders
@@ -94,6 +95,9 @@ struct BodyChunk {
 
 /// The same of the rows of its compliance table.
 [[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);
+
+/// The same of the rows of its pressures and lateral stiffnesses.
+[[nodiscard]] std::vector<std::uint8_t> contact_digest(const ContactTable& chunk);
 
 /// The same of all that a file says of a tool's puncture, rows of all nodes too.
 [[nodiscard]] std::vector<std::uint8_t> puncture_digest(const Puncture& puncture);
