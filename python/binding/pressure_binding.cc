@@ -113,7 +113,7 @@ py::tuple law_table(const HeldLaw& held, py::ssize_t count) {
 }
 
 py::dict linear_fit(const HeldLaw& held, double thickness_m,
-                const std::optional<double>& depth_max_m) {
+                    const std::optional<double>& depth_max_m) {
   if (!(thickness_m > 0.0 && std::isfinite(thickness_m))) {
     throw InputError(
         fmt::format("thickness_m is {}, must be positive and finite", thickness_m));
