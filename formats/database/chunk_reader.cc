@@ -125,7 +125,7 @@ void check_optional_index(const Hdf5Reader& file, const std::string& tool_group,
   expect_rows(file, group + "/compliance_sha256", tool.compliance_sha256.size(),
               tool.compliance.empty() ? 0 : digests);
   expect_rows(file, group + "/contact_sha256", tool.contact_sha256.size(),
-              content::has_contact(file, tool_group) ? digests : 0);
+              tool.has_pressure || tool.has_lateral ? digests : 0);
   for (const auto* values : {&tool.share_min, &tool.share_max}) {
     expect_rows(file, group + "/share_min, share_max", values->size(),
                 own_shares ? chunks * (tool.viscoelasticity.terms() + 1) : 0);
@@ -252,6 +252,8 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     read_viscoelasticity_head(file, "/tools/" + entry.tool.name, nodes, entry);
     read_compliance_head(file, index, entry);
     read_puncture(file, nodes, entry);
+    entry.has_pressure = file.has("/tools/" + entry.tool.name + "/pressure");
+    entry.has_lateral = file.has("/tools/" + entry.tool.name + "/lateral");
   }
   check_index(file, index);
   if (file.remark("/index", "index_sha256") != index_digest(index)) {

@@ -13,11 +13,6 @@
 
 namespace palpate::content {
 
-/// Whether a tool's group of a file has any of it.
-[[nodiscard]] inline bool has_contact(const Hdf5Reader& file, const std::string& tool) {
-  return file.has(tool + "/pressure") || file.has(tool + "/lateral");
-}
-
 /// @param tool the group of the tool. `File` as in database_layout.h.
 template <typename File, typename Table>
 void exchange_contact(File& file, const std::string& tool, Table& table) {
@@ -46,8 +41,8 @@ inline void read_contact_rows(const Hdf5Reader& file, const std::string& tool,
                                      Eigen::Index columns, RowsOf<float>& rows) {
     if (file.has(tool + name)) {
       rows.resize(count, columns);
-      file.rows(tool + name, units, Hdf5Type::kFloat32, begin, count,
-                columns == 1 ? 1 : columns, rows.data());
+      file.rows(tool + name, units, Hdf5Type::kFloat32, begin, count, columns,
+                rows.data());
     }
   });
 }

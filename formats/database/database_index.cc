@@ -203,6 +203,8 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   set_share_extents(table.viscoelasticity, index, tool);
   set_compliance(table.compliance, index, tool);
   tool.puncture = table.puncture;
+  tool.has_pressure = table.contact.has_pressure();
+  tool.has_lateral = table.contact.has_lateral();
   if (!tool.puncture.empty()) {
     tool.puncture_sha256.resize(1, kSha256Bytes);
     set_digest(tool.puncture_sha256, 0, puncture_digest(tool.puncture));

@@ -42,6 +42,8 @@ struct ToolIndex {
   Sha256Rows memory_sha256;    ///< (c x 32) memory_digest(); none without rows of nodes
   ComplianceTable compliance;  ///< as the table's, without rows of nodes
   Puncture puncture;           ///< as the table's, with its rows of nodes
+  bool has_pressure = false;   ///< nodes have rows of contact_table.h's pressure
+  bool has_lateral = false;    ///< and of its lateral stiffness
   Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
   Sha256Rows puncture_sha256;    ///< (1 x 32) puncture_digest(); none without puncture

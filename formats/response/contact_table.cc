@@ -32,6 +32,10 @@ bool is_zero(const RowsOf<float>& rows, Eigen::Index row) {
   return (rows.row(row).array() == 0.0F).all();
 }
 
+bool is_error(float error) {
+  return error >= 0.0F && std::isfinite(error);
+}
+
 // Whether xx, xy, yy of every depth are positive definite, their mean at most `most`.
 bool are_positive(const RowsOf<float>& rows, Eigen::Index row, double most) {
   for (Eigen::Index k = 0; k < kDepths; ++k) {
@@ -71,6 +75,7 @@ ContactTable stacked(std::span<const ContactTable* const> row) {
   stack(&ContactTable::centre_m);
   stack(&ContactTable::moment_m2);
   stack(&ContactTable::exponent);
+  stack(&ContactTable::pressure_error);
   stack(&ContactTable::lateral);
   stack(&ContactTable::lateral_error);
   return all;
@@ -102,6 +107,9 @@ std::string broken_contact_row(const ContactTable& table, Eigen::Index row) {
       return fmt::format("pressure/exponent outside [{}, {}]", kPressureExponentLeast,
                          kPressureExponentMost);
     }
+    if (!is_error(table.pressure_error(row, 0))) {
+      return "pressure/error_relative that is not finite and at least 0";
+    }
   }
   if (table.has_lateral() && !is_zero(table.lateral, row)) {
     if (!are_positive(table.lateral, row, kLateralMost)) {
@@ -109,8 +117,7 @@ std::string broken_contact_row(const ContactTable& table, Eigen::Index row) {
           "lateral/stiffness that is not positive definite, or above {}, at some depth",
           kLateralMost);
     }
-    const float error = table.lateral_error(row, 0);
-    if (!(error >= 0.0F) || !std::isfinite(error)) {
+    if (!is_error(table.lateral_error(row, 0))) {
       return "lateral/error_relative that is not finite and at least 0";
     }
   }

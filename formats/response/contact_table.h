@@ -42,11 +42,12 @@ inline constexpr double kPressureExponentMost = 20.0;
 /// Rows of the nodes. A node without a response, or whose contact is not known, has 0.
 /// Parts that nobody computed have no rows.
 struct ContactTable {
-  RowsOf<float> centre_m = {};       ///< (n x 2 D) [m] c, off the node's line
-  RowsOf<float> moment_m2 = {};      ///< (n x 3 D) [m^2] M, positive definite
-  RowsOf<float> exponent = {};       ///< (n x D) [-] m
-  RowsOf<float> lateral = {};        ///< (n x 3 D) [-] S, positive definite
-  RowsOf<float> lateral_error = {};  ///< (n x 1) [-] stated error of K, any direction
+  RowsOf<float> centre_m = {};        ///< (n x 2 D) [m] c, off the node's line
+  RowsOf<float> moment_m2 = {};       ///< (n x 3 D) [m^2] M, positive definite
+  RowsOf<float> exponent = {};        ///< (n x D) [-] m
+  RowsOf<float> pressure_error = {};  ///< (n x 1) [-] stated error of the radius
+  RowsOf<float> lateral = {};         ///< (n x 3 D) [-] S, positive definite
+  RowsOf<float> lateral_error = {};   ///< (n x 1) [-] stated error of K, any direction
 
   [[nodiscard]] bool has_pressure() const noexcept { return moment_m2.rows() > 0; }
   [[nodiscard]] bool has_lateral() const noexcept { return lateral.rows() > 0; }
@@ -63,6 +64,7 @@ void for_each_contact_dataset(Table& table, const Take& take) {
   take("/pressure/centre_m", "m", 2 * kD, table.centre_m);
   take("/pressure/moment_m2", "m2", 3 * kD, table.moment_m2);
   take("/pressure/exponent", "1", kD, table.exponent);
+  take("/pressure/error_relative", "1", Eigen::Index{1}, table.pressure_error);
   take("/lateral/stiffness", "1", 3 * kD, table.lateral);
   take("/lateral/error_relative", "1", Eigen::Index{1}, table.lateral_error);
 }

@@ -51,6 +51,7 @@ struct PatchState {
   double spacing_ratio = 0.0;  ///< [-] node spacing over the contact's radius
   /// [-] K_t over the normal stiffness of the same nodes; 0: not asked for.
   Eigen::Matrix2d lateral = Eigen::Matrix2d::Zero();
+  double by_tangent = 0.0;  ///< [-] what a nonlinear body's tangent changed of it
 };
 
 struct Indentation {

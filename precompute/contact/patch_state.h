@@ -1,15 +1,15 @@
-// How a linear contact bears at one depth: the moments of its pressure, and its lateral
-// stiffness while it sticks.
+// Where the pressure of a linear contact acts, depth by depth, and what is stored of a
+// contact.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "formats/response/contact_table.h"
 #include "precompute/contact/contact_surface.h"
 #include "precompute/contact/linear_indentation.h"
-#include "precompute/contact/surface_compliance.h"
-#include "precompute/fem/cholesky_factor.h"
 
 namespace palpate {
 
@@ -21,24 +21,30 @@ void add_pressure_states(const ContactSurface& surface,
                          std::span<const std::int32_t> patch,
                          const IndentationPath& path, Indentation& indentation);
 
-/// Adds the lateral stiffness. It is solved at kContactDepths samples, evenly spaced.
-/// With S the nodes in contact, A their normal compliance, W that along the surface,
-/// and g their gaps' rate with the depth,
-///
-///   q = A_SS^-1 g_S / sum,   k_n = (g^T q)^2 / (q^T A q),   K_t = (q^T W q)^-1,
-///
-/// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S, and the shape
-/// of the traction that moves S as a whole along the surface (Mindlin 1949). Of all
-/// tractions the true one has the least compliance. So the stiffness is at most true,
-/// and off by the square of what q is. The contact's coarseness cancels in the ratio.
-/// Like Mindlin's solution the state leaves out that tractions along the surface also
-/// move it inward. Nothing is added where the tool loses contact on its way.
-/// @param compliance with the columns of the patch.
-void add_lateral_states(const CholeskyFactor& factor, const Supports& supports,
-                        const ContactSurface& surface,
-                        const SurfaceCompliance& compliance,
-                        std::span<const std::int32_t> patch,
-                        const IndentationPath& path, Indentation& indentation);
+/// A value of the states around a penetration, linear in the root of the depth past the
+/// touch: in a ball's contact radius. @param states at least one. @param value of a
+/// state.
+template <typename Value>
+auto between_states(std::span<const PatchState> states, double touch_m,
+                    double penetration_m, const Value& value) {
+  const auto above = std::lower_bound(states.begin(), states.end(), penetration_m,
+                                      [](const PatchState& state, double at) {
+                                        return state.penetration_m < at;
+                                      });
+  if (above == states.begin()) {
+    return value(states.front());
+  }
+  if (above == states.end()) {
+    return value(states.back());
+  }
+  const PatchState& low = *(above - 1);
+  const auto root = [&](double at_m) {
+    return std::sqrt(std::max(0.0, at_m - touch_m));
+  };
+  const double t = (root(penetration_m) - root(low.penetration_m)) /
+                   (root(above->penetration_m) - root(low.penetration_m));
+  return decltype(value(low))(value(low) + t * (value(*above) - value(low)));
+}
 
 /// Of an indentation with samples past the touch, as it is stored: at shares of the
 /// last sample's depth. The lateral part takes the stiffness dN/d(depth) of the

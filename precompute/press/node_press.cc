@@ -9,6 +9,7 @@
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
 #include "precompute/contact/held_obstacle.h"
+#include "precompute/contact/lateral_state.h"
 #include "precompute/contact/other_contact.h"
 #include "precompute/contact/patch_state.h"
 #include "precompute/press/nonlinear_press.h"

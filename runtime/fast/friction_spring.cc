@@ -128,9 +128,13 @@ void set_spring(FrictionSpring& spring, const FieldPlace& place,
     set_by_body(spring, place, friction, pressed_n);
     return;
   }
+  if (spring.by_body) {  // it goes on as a spring alike in all directions
+    const Real length2 = spring.stretch_m.squaredNorm();
+    spring.n_per_m = length2 > 0.0 ? 2.0 * spring.energy_j() / length2 : Real(0.0);
+    spring.by_body = false;
+  }
   const Real before = spring.n_per_m;
   const Real now = friction.coefficient * pressed_n / friction.presliding_m;
-  spring.by_body = false;
   spring.n_per_m = now;
   Vector3& t = spring.stretch_m;
   const Real length2 = t.squaredNorm();

@@ -24,6 +24,7 @@ ResponseDatabase with_contacts() {
   contact.centre_m = RowsOf<float>::Zero(6, 8);
   contact.moment_m2 = RowsOf<float>::Zero(6, 12);
   contact.exponent = RowsOf<float>::Zero(6, 4);
+  contact.pressure_error = RowsOf<float>::Zero(6, 1);
   contact.lateral = RowsOf<float>::Zero(6, 12);
   contact.lateral_error = RowsOf<float>::Zero(6, 1);
   for (Eigen::Index i = 0; i < 5; ++i) {
@@ -105,7 +106,7 @@ TEST_F(StoredContacts, AreHeldToTheRules) {
       [](ContactTable& t) {
         t.lateral(2, 0) = -1.0F;
       },
-      "/tools/ball: node 2 has a lateral/stiffness");
+      "/tools/tip: node 2 has a lateral/stiffness");
   expect_refused(
       [](ContactTable& t) {
         t.moment_m2(1, 1) = 1.0F;
@@ -115,12 +116,12 @@ TEST_F(StoredContacts, AreHeldToTheRules) {
       [](ContactTable& t) {
         t.exponent.conservativeResize(5, 4);
       },
-      "/tools/ball/pressure/exponent has 5 x 4 numbers, must have 6 x 4");
+      "/tools/tip/pressure/exponent has 5 x 4 numbers, must have 6 x 4");
   expect_refused(
       [](ContactTable& t) {
         t.lateral_error.resize(0, 1);
       },
-      "/tools/ball/lateral/error_relative has 0 x");
+      "/tools/tip/lateral/error_relative has 0 x");
 }
 
 TEST_F(StoredContacts, TravelWithAUnitOfWork) {

@@ -23,6 +23,7 @@ ContactTable round_contact(double exponent) {
   table.centre_m = RowsOf<float>::Zero(1, 8);
   table.moment_m2 = RowsOf<float>::Zero(1, 12);
   table.exponent = RowsOf<float>::Constant(1, 4, static_cast<float>(exponent));
+  table.pressure_error = RowsOf<float>::Constant(1, 1, 0.01F);
   table.lateral = RowsOf<float>::Zero(1, 12);
   table.lateral_error = RowsOf<float>::Constant(1, 1, 0.03F);
   for (Eigen::Index k = 0; k < 4; ++k) {
