@@ -96,9 +96,9 @@ InsertionRead read_insertion(InsertionOptions& options) {
   return read;
 }
 
-std::vector<NeedleEstimate> toughness_of_layers(const NeedleFit& fit,
+std::vector<IntervalEstimate> toughness_of_layers(const NeedleFit& fit,
                                                 const InsertionOptions& options) {
-  std::vector<NeedleEstimate> found;
+  std::vector<IntervalEstimate> found;
   for (const FittedLayer& layer : fit.layers) {
     if (options.edge_width_mm) {
       found.push_back(toughness_of(layer.cutting_n, *options.edge_width_mm * 1e-3));
@@ -109,7 +109,7 @@ std::vector<NeedleEstimate> toughness_of_layers(const NeedleFit& fit,
 
 void print_insertion_json(const InsertionRead& read, const NeedlePath& path,
                           const NeedleFit& fit,
-                          const std::vector<NeedleEstimate>& toughness) {
+                          const std::vector<IntervalEstimate>& toughness) {
   nlohmann::ordered_json json;
   json["files"] = nlohmann::ordered_json::array();
   for (const CurveRead& file : read.files) {
@@ -136,7 +136,7 @@ void print_insertion_json(const InsertionRead& read, const NeedlePath& path,
   fmt::print("{}\n", json_text(json));
 }
 
-void print_estimate(const std::string& name, const NeedleEstimate& e,
+void print_estimate(const std::string& name, const IntervalEstimate& e,
                     const std::string& rest) {
   if (!e.refused.empty()) {
     fmt::print("{:<24} none: {}\n", name, e.refused);
@@ -186,7 +186,7 @@ void print_layer(const FittedRupture& rupture, const FittedLayer& layer,
 
 void print_insertion(const InsertionRead& read, const NeedlePath& path,
                      const NeedleFit& fit,
-                     const std::vector<NeedleEstimate>& toughness) {
+                     const std::vector<IntervalEstimate>& toughness) {
   print_passes(read, path, fit);
   fmt::print("{:<24} c (z - z0)^n before rupture\n", "law");
   print_estimate("coefficient c", fit.coefficient, "N/m^n");
@@ -214,7 +214,7 @@ void print_insertion(const InsertionRead& read, const NeedlePath& path,
     fmt::print("{:<24} residuals in the tissue are larger than before contact\n",
                "misfit");
   }
-  for (const NeedleEstimate& one : toughness) {
+  for (const IntervalEstimate& one : toughness) {
     if (const std::string warning = toughness_warning(one); !warning.empty()) {
       fmt::print("{:<24} {}\n", "warning", warning);
     }

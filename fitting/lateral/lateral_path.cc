@@ -1,0 +1,257 @@
+#include "fitting/lateral/lateral_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "fitting/numerics/robust_statistics.h"
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kStillMin = 5;   // samples of a hold
+constexpr double kStillShare = 1e-3;   // [-] of the median step
+constexpr std::size_t kSmoothMax = 10;  // samples on either side
+constexpr std::size_t kSmoothOneOf = 200;
+constexpr std::size_t kFirstForces = 5;
+
+void check_run(const LateralRun& run) {
+  const std::size_t n = run.displacement_m.size();
+  const auto wrong = [n](const std::vector<double>& values) {
+    return !values.empty() && values.size() != n;
+  };
+  if (run.force_n.size() != n || wrong(run.time_s) || wrong(run.normal_n) ||
+      n < kLateralSamplesMin) {
+    throw InputError(fmt::format(
+        "{} displacements, {} forces, {} times and {} normal forces: need as many of "
+        "each and at least {}",
+        n, run.force_n.size(), run.time_s.size(), run.normal_n.size(),
+        kLateralSamplesMin));
+  }
+  for (const auto* values :
+       {&run.displacement_m, &run.force_n, &run.time_s, &run.normal_n}) {
+    const auto bad = std::find_if(values->begin(), values->end(), [](double v) {
+      return !std::isfinite(v);
+    });
+    if (bad != values->end()) {
+      throw InputError(fmt::format("sample {} has the value {}, must be finite",
+                                   bad - values->begin() + 1, *bad));
+    }
+  }
+  const double stated = run.normal_stated_n;
+  if (!std::isnan(stated) && !(stated > 0.0 && std::isfinite(stated))) {
+    throw InputError(
+        fmt::format("the normal force is {} N, must be above 0 and finite", stated));
+  }
+}
+
+std::vector<double> part(const std::vector<double>& values, std::size_t begin,
+                         std::size_t end) {
+  return values.empty()
+             ? values
+             : std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                   values.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
+// Means of neighbours, as many on one side as on the other.
+std::vector<double> smoothed(const std::vector<double>& values) {
+  const std::size_t n = values.size();
+  const std::size_t most = std::min(kSmoothMax, n / kSmoothOneOf);
+  std::vector<double> means(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t reach = std::min({most, i, n - 1 - i});
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i - reach);
+    means[i] = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(2 * reach + 1),
+                               0.0) /
+               static_cast<double>(2 * reach + 1);
+  }
+  return means;
+}
+
+// [begin, end) of the samples in contact, by a normal force that is positive there.
+std::pair<std::size_t, std::size_t> in_contact(const std::vector<double>& normal) {
+  const double least = kContactShareMin * median(normal);
+  const auto touches = [least](double n) {
+    return n >= least;
+  };
+  const auto first = std::find_if(normal.begin(), normal.end(), touches);
+  const auto last = std::find_if(normal.rbegin(), normal.rend(), touches);
+  return {static_cast<std::size_t>(first - normal.begin()),
+          static_cast<std::size_t>(last.base() - normal.begin())};
+}
+
+void take_normal_force(const LateralRun& run, std::size_t begin, std::size_t end,
+                       double sign, LateralPath& path) {
+  if (run.normal_n.empty()) {
+    path.normal_n = run.normal_stated_n;
+    path.normal_share.assign(end - begin, 1.0);
+    return;
+  }
+  path.normal_share = part(run.normal_n, begin, end);
+  path.normal_n = sign *
+                  std::accumulate(path.normal_share.begin(), path.normal_share.end(), 0.0) /
+                  static_cast<double>(end - begin);
+  path.normal_share = smoothed(path.normal_share);
+  for (double& share : path.normal_share) {
+    share *= sign / path.normal_n;
+  }
+  const auto [low, high] =
+      std::minmax_element(path.normal_share.begin(), path.normal_share.end());
+  if (!(*low >= kNormalShareMin)) {
+    throw InputError(fmt::format(
+        "the normal force goes from {:.4g} to {:.4g} N: while it is held it must stay "
+        "above {} of its mean",
+        *low * path.normal_n, *high * path.normal_n, kNormalShareMin));
+  }
+}
+
+// [0, 1]: time where it rises, else the number of the sample.
+std::vector<double> clock_of(const std::vector<double>& time_s, std::size_t n,
+                             bool& timed) {
+  timed = time_s.size() == n && std::is_sorted(time_s.begin(), time_s.end()) &&
+          time_s.back() > time_s.front();
+  std::vector<double> clock(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    clock[i] = timed ? (time_s[i] - time_s.front()) / (time_s.back() - time_s.front())
+                     : static_cast<double>(i) / static_cast<double>(n - 1);
+  }
+  return clock;
+}
+
+// Where lines through two samples before (i - 1, i) and two behind (i + 1, i + 2) meet,
+// if that is between i and i + 1.
+std::optional<double> meeting_place(const LateralPath& path, std::size_t i) {
+  const auto& x = path.displacement_m;
+  const auto& t = path.clock;
+  if (i < 1 || i + 2 >= x.size() || !(t[i] > t[i - 1]) || !(t[i + 2] > t[i + 1])) {
+    return std::nullopt;
+  }
+  const double before = (x[i] - x[i - 1]) / (t[i] - t[i - 1]);
+  const double behind = (x[i + 2] - x[i + 1]) / (t[i + 2] - t[i + 1]);
+  if (!(before * behind < 0.0)) {
+    return std::nullopt;
+  }
+  const double at =
+      (x[i + 1] - behind * t[i + 1] - x[i] + before * t[i]) / (before - behind);
+  return t[i] <= at && at <= t[i + 1] ? std::optional(x[i] + before * (at - t[i]))
+                                      : std::nullopt;
+}
+
+// A turn near the extreme sample, which may be the last before it or the first behind.
+LateralTurn turn_at(const LateralPath& path, std::size_t extreme) {
+  if (const auto place = meeting_place(path, extreme)) {
+    return {extreme + 1, *place};
+  }
+  if (const auto place = extreme > 0 ? meeting_place(path, extreme - 1) : std::nullopt) {
+    return {extreme, *place};
+  }
+  return {extreme + 1, path.displacement_m[extreme]};
+}
+
+std::vector<LateralTurn> find_turns(const LateralPath& path) {
+  const auto& x = path.displacement_m;
+  const double least = kTurnShareMin * path.travel_m;
+  std::vector<LateralTurn> turns;
+  std::size_t low = 0, high = 0;
+  int direction = 0;  // of the motion; 0: not known yet
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    low = x[i] < x[low] ? i : low;
+    high = x[i] > x[high] ? i : high;
+    if (direction >= 0 && x[high] - x[i] >= least) {
+      if (direction > 0) {
+        turns.push_back(turn_at(path, high));
+      }
+      direction = -1;
+      low = i;
+    } else if (direction <= 0 && x[i] - x[low] >= least) {
+      if (direction < 0) {
+        turns.push_back(turn_at(path, low));
+      }
+      direction = 1;
+      high = i;
+    }
+  }
+  return turns;
+}
+
+// All but holds; a hold before the first motion tells the force without displacement.
+std::vector<std::size_t> fitted_samples(const std::vector<double>& x) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    if (x[i] != x[i - 1]) {
+      steps.push_back(std::abs(x[i] - x[i - 1]));
+    }
+  }
+  const double still = kStillShare * median(steps);
+  std::vector<std::size_t> fitted;
+  bool moved = false;
+  for (std::size_t i = 0; i < x.size();) {
+    std::size_t end = i + 1;
+    while (end < x.size() && std::abs(x[end] - x[i]) <= still) {
+      ++end;
+    }
+    const bool hold = moved && end - i >= kStillMin;
+    for (std::size_t j = i; j < (hold ? i + 1 : end); ++j) {
+      fitted.push_back(j);
+    }
+    moved = true;
+    i = end;
+  }
+  return fitted;
+}
+
+// Work over the force at the beginning.
+double sign_of_tangential(const LateralPath& path) {
+  const double before = median(part(path.force_n, 0, kFirstForces));
+  double work = 0.0;
+  for (std::size_t i = 1; i < path.force_n.size(); ++i) {
+    work += (0.5 * (path.force_n[i] + path.force_n[i - 1]) - before) *
+            (path.displacement_m[i] - path.displacement_m[i - 1]);
+  }
+  return work < 0.0 ? -1.0 : 1.0;
+}
+
+}  // namespace
+
+LateralPath find_lateral_path(const LateralRun& run) {
+  check_run(run);
+  std::size_t begin = 0, end = run.force_n.size();
+  double sign = 1.0;
+  if (!run.normal_n.empty()) {
+    std::vector<double> normal = run.normal_n;
+    sign = median(normal) < 0.0 ? -1.0 : 1.0;
+    for (double& n : normal) {
+      n *= sign;
+    }
+    std::tie(begin, end) = in_contact(normal);
+  }
+  LateralPath path;
+  path.apart = run.force_n.size() - (end - begin);
+  path.displacement_m = part(run.displacement_m, begin, end);
+  path.force_n = part(run.force_n, begin, end);
+  path.travel_m = end > begin ? extent(path.displacement_m) : 0.0;
+  if (end - begin < kLateralSamplesMin) {
+    throw InputError(fmt::format("{} samples in contact, need at least {}", end - begin,
+                                 kLateralSamplesMin));
+  }
+  if (!(path.travel_m > 0.0)) {
+    throw InputError("the contact does not move sideways");
+  }
+  take_normal_force(run, begin, end, sign, path);
+  path.clock = clock_of(part(run.time_s, begin, end), end - begin, path.timed);
+  path.turn = find_turns(path);
+  path.fitted = fitted_samples(path.displacement_m);
+  if (sign_of_tangential(path) < 0.0) {
+    path.force_turned = true;
+    std::transform(path.force_n.begin(), path.force_n.end(), path.force_n.begin(),
+                   std::negate<>());
+  }
+  return path;
+}
+
+}  // namespace palpate
