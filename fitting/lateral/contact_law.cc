@@ -10,7 +10,8 @@ constexpr int kRootSteps = 60;
 constexpr double kPartialSlipReach = 1.5;  // x_s over x_p
 
 // y in [0, 1] of u = x_s (1 - y^2) + e (1 - y^3), 0 < u < x_s + e, by Newton's method.
-// The right side falls and is concave in y: after the first step all stay above the root.
+// The right side falls and is concave in y: after the first step all stay above the
+// root.
 double stuck_radius(double u, double x_s, double e) noexcept {
   double y = std::sqrt(std::max(0.0, 1.0 - u / (x_s + e)));
   for (int i = 0; i < kRootSteps; ++i) {

@@ -29,8 +29,8 @@ enum class ContactLaw { kSharpSlip, kPartialSlip };
 /// What determines a contact's curve; all above 0.
 struct ContactCurve {
   ContactLaw law = ContactLaw::kSharpSlip;
-  double stiffness_n_per_m = 0.0;  ///< k
-  double slip_force_n = 0.0;       ///< S
+  double stiffness_n_per_m = 0.0;                                       ///< k
+  double slip_force_n = 0.0;                                            ///< S
   double instrument_n_per_m = std::numeric_limits<double>::infinity();  ///< k_i
 
   [[nodiscard]] double presliding_m() const noexcept {
@@ -42,16 +42,17 @@ struct ContactCurve {
 
 /// g(u) and its derivatives.
 struct CurveShare {
-  double value = 0.0;         ///< [-] [0, 1]
-  double by_u = 0.0;          ///< [1/m]
-  double by_log_k = 0.0;      ///< [-]
-  double by_log_slip = 0.0;   ///< [-] by ln S
+  double value = 0.0;        ///< [-] [0, 1]
+  double by_u = 0.0;         ///< [1/m]
+  double by_log_k = 0.0;     ///< [-]
+  double by_log_slip = 0.0;  ///< [-] by ln S
 };
 
 /// @param u_m [m] >= 0 of contact and instrument.
 [[nodiscard]] CurveShare force_share(const ContactCurve& curve, double u_m) noexcept;
 
 /// [J] lost in a closed loop of amplitude X [m] >= 0 (half the way from turn to turn).
-[[nodiscard]] double loop_loss_j(const ContactCurve& curve, double amplitude_m) noexcept;
+[[nodiscard]] double loop_loss_j(const ContactCurve& curve,
+                                 double amplitude_m) noexcept;
 
 }  // namespace palpate

@@ -22,6 +22,7 @@ FrictionState FrictionHistory::branch_to(double x_m) const {
   // A turn that is remembered stands where it is; only rest moves with a.
   state.by_zero += from_rest ? -g.by_u : 0.0;
   state.from_m = last.x_m;
+  state.from_rest = from_rest;
   state.stick_share = u / curve_.slides_at_m();
   return state;
 }

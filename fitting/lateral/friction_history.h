@@ -18,8 +18,9 @@ namespace palpate {
 struct FrictionState {
   double share = 0.0;  ///< p
   double by_log_k = 0.0, by_log_slip = 0.0;
-  double by_zero = 0.0;   ///< [1/m] dp/da
-  double from_m = 0.0;    ///< place where the present motion began, a at first
+  double by_zero = 0.0;      ///< [1/m] dp/da
+  double from_m = 0.0;       ///< place where the present motion began, a from rest
+  bool from_rest = true;     ///< else from a remembered turn, at twice the scale
   double stick_share = 0.0;  ///< [-] way since then over that until all slides
 };
 

@@ -8,17 +8,19 @@
 
 #include <fmt/format.h>
 
+#include "fitting/curve/sample_clock.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kStillMin = 5;   // samples of a hold
-constexpr double kStillShare = 1e-3;   // [-] of the median step
+constexpr std::size_t kRestMin = 5;     // samples of a hold
+constexpr double kRestShare = 1e-3;     // [-] of the median step
 constexpr std::size_t kSmoothMax = 10;  // samples on either side
 constexpr std::size_t kSmoothOneOf = 200;
 constexpr std::size_t kFirstForces = 5;
+constexpr double kSteady = 0.2;  // [-] of a speed, by which the next may differ
 
 void check_run(const LateralRun& run) {
   const std::size_t n = run.displacement_m.size();
@@ -66,15 +68,15 @@ std::vector<double> smoothed(const std::vector<double>& values) {
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t reach = std::min({most, i, n - 1 - i});
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i - reach);
-    means[i] = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(2 * reach + 1),
-                               0.0) /
+    means[i] = std::accumulate(
+                   begin, begin + static_cast<std::ptrdiff_t>(2 * reach + 1), 0.0) /
                static_cast<double>(2 * reach + 1);
   }
   return means;
 }
 
 // [begin, end) of the samples in contact, by a normal force that is positive there.
-std::pair<std::size_t, std::size_t> in_contact(const std::vector<double>& normal) {
+std::pair<std::size_t, std::size_t> pressed_samples(const std::vector<double>& normal) {
   const double least = kContactShareMin * median(normal);
   const auto touches = [least](double n) {
     return n >= least;
@@ -93,9 +95,9 @@ void take_normal_force(const LateralRun& run, std::size_t begin, std::size_t end
     return;
   }
   path.normal_share = part(run.normal_n, begin, end);
-  path.normal_n = sign *
-                  std::accumulate(path.normal_share.begin(), path.normal_share.end(), 0.0) /
-                  static_cast<double>(end - begin);
+  path.normal_n =
+      sign * std::accumulate(path.normal_share.begin(), path.normal_share.end(), 0.0) /
+      static_cast<double>(end - begin);
   path.normal_share = smoothed(path.normal_share);
   for (double& share : path.normal_share) {
     share *= sign / path.normal_n;
@@ -110,30 +112,26 @@ void take_normal_force(const LateralRun& run, std::size_t begin, std::size_t end
   }
 }
 
-// [0, 1]: time where it rises, else the number of the sample.
-std::vector<double> clock_of(const std::vector<double>& time_s, std::size_t n,
-                             bool& timed) {
-  timed = time_s.size() == n && std::is_sorted(time_s.begin(), time_s.end()) &&
-          time_s.back() > time_s.front();
-  std::vector<double> clock(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    clock[i] = timed ? (time_s[i] - time_s.front()) / (time_s.back() - time_s.front())
-                     : static_cast<double>(i) / static_cast<double>(n - 1);
-  }
-  return clock;
+// Displacement per clock from sample i to the next.
+double speed_at(const LateralPath& path, std::size_t i) {
+  return (path.displacement_m[i + 1] - path.displacement_m[i]) /
+         (path.clock[i + 1] - path.clock[i]);
 }
 
-// Where lines through two samples before (i - 1, i) and two behind (i + 1, i + 2) meet,
-// if that is between i and i + 1.
+// Where lines through samples before (to i) and behind (from i + 1) meet, if that is
+// between i and i + 1 and the speed is steady on either side.
 std::optional<double> meeting_place(const LateralPath& path, std::size_t i) {
   const auto& x = path.displacement_m;
   const auto& t = path.clock;
-  if (i < 1 || i + 2 >= x.size() || !(t[i] > t[i - 1]) || !(t[i + 2] > t[i + 1])) {
+  if (i < 2 || i + 3 >= x.size()) {
     return std::nullopt;
   }
-  const double before = (x[i] - x[i - 1]) / (t[i] - t[i - 1]);
-  const double behind = (x[i + 2] - x[i + 1]) / (t[i + 2] - t[i + 1]);
-  if (!(before * behind < 0.0)) {
+  const double before = speed_at(path, i - 1), behind = speed_at(path, i + 1);
+  const auto steady = [](double speed, double farther) {
+    return std::abs(speed - farther) <= kSteady * std::abs(farther);
+  };
+  if (!(before * behind < 0.0) || !steady(before, speed_at(path, i - 2)) ||
+      !steady(behind, speed_at(path, i + 2))) {
     return std::nullopt;
   }
   const double at =
@@ -142,15 +140,38 @@ std::optional<double> meeting_place(const LateralPath& path, std::size_t i) {
                                       : std::nullopt;
 }
 
+// Top of the parabola through sample i and its neighbours, i the extreme one of them.
+// With speeds v, w on either side and half-way clocks h apart the motion stands where
+// v + (w - v) s / h is 0.
+LateralTurn parabola_turn(const LateralPath& path, std::size_t i) {
+  const auto& x = path.displacement_m;
+  const auto& t = path.clock;
+  if (i < 1 || i + 1 >= x.size() || !(t[i] > t[i - 1]) || !(t[i + 1] > t[i])) {
+    return {i + 1, x[i]};
+  }
+  const double v = speed_at(path, i - 1), w = speed_at(path, i);
+  const double before = 0.5 * (t[i] - t[i - 1]), behind = 0.5 * (t[i + 1] - t[i]);
+  if (!(v * w < 0.0)) {
+    return {i + 1, x[i]};
+  }
+  const double s = v / (v - w) * (before + behind) - before;  // clock from sample i on
+  const double at_i = v + (w - v) * before / (before + behind);
+  return {s > 0.0 ? i + 1 : i, x[i] + 0.5 * at_i * s};
+}
+
 // A turn near the extreme sample, which may be the last before it or the first behind.
 LateralTurn turn_at(const LateralPath& path, std::size_t extreme) {
-  if (const auto place = meeting_place(path, extreme)) {
-    return {extreme + 1, *place};
+  const auto behind = meeting_place(path, extreme);
+  const auto before = meeting_place(path, extreme - std::min(extreme, std::size_t{1}));
+  const double x = path.displacement_m[extreme];
+  const auto beyond = [x](const std::optional<double>& place) {
+    return std::abs(place.value_or(x) - x);
+  };
+  if (!behind && !before) {
+    return parabola_turn(path, extreme);
   }
-  if (const auto place = extreme > 0 ? meeting_place(path, extreme - 1) : std::nullopt) {
-    return {extreme, *place};
-  }
-  return {extreme + 1, path.displacement_m[extreme]};
+  return beyond(behind) >= beyond(before) ? LateralTurn{extreme + 1, behind.value_or(x)}
+                                          : LateralTurn{extreme, before.value_or(x)};
 }
 
 std::vector<LateralTurn> find_turns(const LateralPath& path) {
@@ -187,7 +208,7 @@ std::vector<std::size_t> fitted_samples(const std::vector<double>& x) {
       steps.push_back(std::abs(x[i] - x[i - 1]));
     }
   }
-  const double still = kStillShare * median(steps);
+  const double still = kRestShare * median(steps);
   std::vector<std::size_t> fitted;
   bool moved = false;
   for (std::size_t i = 0; i < x.size();) {
@@ -195,7 +216,7 @@ std::vector<std::size_t> fitted_samples(const std::vector<double>& x) {
     while (end < x.size() && std::abs(x[end] - x[i]) <= still) {
       ++end;
     }
-    const bool hold = moved && end - i >= kStillMin;
+    const bool hold = moved && end - i >= kRestMin;
     for (std::size_t j = i; j < (hold ? i + 1 : end); ++j) {
       fitted.push_back(j);
     }
@@ -228,7 +249,7 @@ LateralPath find_lateral_path(const LateralRun& run) {
     for (double& n : normal) {
       n *= sign;
     }
-    std::tie(begin, end) = in_contact(normal);
+    std::tie(begin, end) = pressed_samples(normal);
   }
   LateralPath path;
   path.apart = run.force_n.size() - (end - begin);
@@ -243,7 +264,7 @@ LateralPath find_lateral_path(const LateralRun& run) {
     throw InputError("the contact does not move sideways");
   }
   take_normal_force(run, begin, end, sign, path);
-  path.clock = clock_of(part(run.time_s, begin, end), end - begin, path.timed);
+  path.clock = sample_clock(part(run.time_s, begin, end), end - begin);
   path.turn = find_turns(path);
   path.fitted = fitted_samples(path.displacement_m);
   if (sign_of_tangential(path) < 0.0) {

@@ -22,8 +22,9 @@ struct LateralRun {
   double depth_m = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A place where the motion turns. Machines turn between samples: it lies where the
-/// lines through the two samples before and the two after meet.
+/// A place where the motion turns, mostly between samples. It lies where the lines
+/// through the samples before and behind meet, if the speed is steady there. Else it is
+/// the top of the parabola through the extreme sample and its neighbours.
 struct LateralTurn {
   std::size_t after = 0;  ///< first sample behind it
   double place_m = 0.0;
@@ -39,10 +40,9 @@ struct LateralPath {
   std::vector<std::size_t> fitted;     ///< samples that move, and those before motion
   std::vector<LateralTurn> turn;       ///< in order, without the ends of the path
   double normal_n = std::numeric_limits<double>::quiet_NaN();  ///< [N] mean; NaN: none
-  double travel_m = 0.0;       ///< [m] largest less smallest displacement
-  bool timed = false;          ///< clock is time; else the number of the sample
-  bool force_turned = false;   ///< the force's sign was changed
-  std::size_t apart = 0;       ///< samples at the ends that were not in contact
+  double travel_m = 0.0;      ///< [m] largest less smallest displacement
+  bool force_turned = false;  ///< the force's sign was changed
+  std::size_t apart = 0;      ///< samples at the ends that were not in contact
 };
 
 constexpr std::size_t kLateralSamplesMin = 20;
@@ -54,8 +54,8 @@ constexpr double kNormalShareMin = 0.2;   ///< [-] of the mean normal force, whi
 /// its median are not in contact and are left out. Normal forces may have either sign.
 /// Their noise is taken out by means of neighbours.
 /// @throws InputError for unequal counts, values that are not finite, fewer than
-/// kLateralSamplesMin samples in contact, no motion, and a normal force that falls below
-/// kNormalShareMin of its mean.
+/// kLateralSamplesMin samples in contact, no motion, and a normal force that falls
+/// below kNormalShareMin of its mean.
 [[nodiscard]] LateralPath find_lateral_path(const LateralRun& run);
 
 }  // namespace palpate
