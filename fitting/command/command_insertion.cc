@@ -1,7 +1,6 @@
 // palpate-fit insertion: passes of a needle in, ruptures, cutting forces, friction out.
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -10,11 +9,12 @@
 
 #include "fitting/command/commands.h"
 #include "fitting/command/curve_file.h"
+#include "fitting/command/estimate_text.h"
 #include "fitting/command/machine_options.h"
+#include "fitting/curve/parameter_json.h"
 #include "fitting/insertion/insertion_json.h"
 #include "fitting/insertion/insertion_scene.h"
 #include "fitting/insertion/toughness.h"
-#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/base/units.h"
@@ -97,7 +97,7 @@ InsertionRead read_insertion(InsertionOptions& options) {
 }
 
 std::vector<IntervalEstimate> toughness_of_layers(const NeedleFit& fit,
-                                                const InsertionOptions& options) {
+                                                  const InsertionOptions& options) {
   std::vector<IntervalEstimate> found;
   for (const FittedLayer& layer : fit.layers) {
     if (options.edge_width_mm) {
@@ -134,17 +134,6 @@ void print_insertion_json(const InsertionRead& read, const NeedlePath& path,
     }
   }
   fmt::print("{}\n", json_text(json));
-}
-
-void print_estimate(const std::string& name, const IntervalEstimate& e,
-                    const std::string& rest) {
-  if (!e.refused.empty()) {
-    fmt::print("{:<24} none: {}\n", name, e.refused);
-    return;
-  }
-  const std::string spread = fmt::format(" +- {:.2g}", e.sd);
-  fmt::print("{:<24} {:>13.6g}{:<10} {:<6} [{:.5g}, {:.5g}]\n", name, e.value, spread,
-             rest, e.low, e.high);
 }
 
 void print_passes(const InsertionRead& read, const NeedlePath& path,
@@ -221,12 +210,6 @@ void print_insertion(const InsertionRead& read, const NeedlePath& path,
   }
 }
 
-void write_scene(const std::string& text, const std::string& file) {
-  AtomicFile atomic(file);
-  atomic.write(std::as_bytes(std::span(text)));
-  atomic.commit();
-}
-
 void run_insertion(InsertionOptions& options) {
   if (!options.scene.empty() && !options.edge_width_mm) {
     throw InputError("--scene: a scene's toughness needs --edge-width-mm");
@@ -235,22 +218,19 @@ void run_insertion(InsertionOptions& options) {
     throw InputError("--cycle: insertion fits all passes of its files together");
   }
   const InsertionRead read = read_insertion(options);
-  std::string names;
-  for (const std::string& file : options.files) {
-    names += (names.empty() ? "" : ", ") + file;
-  }
   try {
     const NeedlePath path =
         find_needle_path(read.samples, read.frame ? &read.frame->frame : nullptr);
     const NeedleFit fit = fit_needle(path);
     const auto toughness = toughness_of_layers(fit, options);
     if (!options.scene.empty()) {
-      write_scene(insertion_scene(fit, *options.edge_width_mm * 1e-3), options.scene);
+      write_scene_part(insertion_scene(fit, *options.edge_width_mm * 1e-3),
+                       options.scene);
     }
     options.json ? print_insertion_json(read, path, fit, toughness)
                  : print_insertion(read, path, fit, toughness);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", names, error.what()));
+    throw InputError(fmt::format("{}: {}", joined_names(options.files), error.what()));
   }
 }
 

@@ -213,7 +213,7 @@ void note_what_was_done(const RunSolution& s, RunFit& fit) {
   }
 }
 
-RunFit fit_of(const RunSolution& s) {
+RunFit run_fit_of(const RunSolution& s) {
   RunFit fit;
   fit.name = s.run.name;
   fit.depth_m = s.run.depth_m;
@@ -278,21 +278,21 @@ LawFit fit_of_law(std::vector<RunSolution>& solutions) {
   fit.frictions_differ = common.differ;
   double squares = 0.0, samples = 0.0;
   for (RunSolution& s : solutions) {
-    fit.loops.push_back(fit_of(s));
-    const IntervalEstimate own = fit.loops.back().friction;
+    fit.runs.push_back(run_fit_of(s));
+    const IntervalEstimate own = fit.runs.back().friction;
     take_common(common, s);
     if (common.runs > 1 && !common.differ) {
-      fit.loops.back() = fit_of(s);
-      fit.loops.back().friction = own;
+      fit.runs.back() = run_fit_of(s);
+      fit.runs.back().friction = own;
     }
     const auto n = static_cast<double>(s.solved.residual.size());
-    squares += n * fit.loops.back().rms_n * fit.loops.back().rms_n;
+    squares += n * fit.runs.back().rms_n * fit.runs.back().rms_n;
     samples += n;
   }
   fit.rms_n = std::sqrt(squares / samples);
-  fit.presliding_m = mean_presliding(fit.loops);
+  fit.presliding_m = mean_presliding(fit.runs);
   fit.friction = common.runs == 0
-                     ? fit.loops.front().friction
+                     ? fit.runs.front().friction
                      : estimate_of_log(
                            [](const Eigen::VectorXd& q) {
                              return q[0];
@@ -302,7 +302,7 @@ LawFit fit_of_law(std::vector<RunSolution>& solutions) {
   return fit;
 }
 
-std::span<const double> residuals_of(const RunSolution& s) {
+std::span<const double> run_residuals(const RunSolution& s) {
   return {s.solved.residual.data(), static_cast<std::size_t>(s.solved.residual.size())};
 }
 
@@ -320,12 +320,12 @@ double deviance_of(const std::vector<RunSolution>& by,
     for (const std::size_t j : by[i].path.fitted) {
       x.push_back(by[i].path.displacement_m[j]);
     }
-    std::vector<double> residual(residuals_of(other[i]).begin(),
-                                 residuals_of(other[i]).end());
+    std::vector<double> residual(run_residuals(other[i]).begin(),
+                                 run_residuals(other[i]).end());
     for (double& r : residual) {
       r *= other[i].solved.range_n / by[i].solved.range_n;
     }
-    sum += ResidualNoise(x, residuals_of(by[i])).deviance(residual);
+    sum += ResidualNoise(x, run_residuals(by[i])).deviance(residual);
   }
   return sum;
 }

@@ -37,7 +37,7 @@ struct RunFit {
 
 struct LawFit {
   ContactLaw law = ContactLaw::kSharpSlip;
-  std::vector<RunFit> loops;      ///< one of each run
+  std::vector<RunFit> runs;       ///< one of each run
   IntervalEstimate friction;      ///< mu of all runs
   IntervalEstimate presliding_m;  ///< mean over the runs
   double rms_n = 0.0;

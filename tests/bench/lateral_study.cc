@@ -35,7 +35,7 @@ void report(const Case& c, unsigned runs, unsigned first_seed) {
           fit_lateral({loop.run}, instrument > 0.0 ? &frame : nullptr);
       coverage.add(fit, random, loop);
       if (std::getenv("VERBOSE") != nullptr) {
-        const IntervalEstimate& k = fit.better.loops.front().stiffness_n_per_m;
+        const IntervalEstimate& k = fit.better.runs.front().stiffness_n_per_m;
         fmt::print(
             "seed {}: {} deviance {:.1f}, k {:.2f} sd off, cycles {}, "
             "rms {:.3f} of noise\n",

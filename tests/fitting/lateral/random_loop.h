@@ -65,7 +65,7 @@ struct LoopCoverage {
     const bool is_partial = fit.better.law == ContactLaw::kPartialSlip;
     laws_alike += fit.laws_differ() ? 0 : 1;
     wrong_law += fit.laws_differ() && is_partial != truth.contact.partial_slip ? 1 : 0;
-    const RunFit& run = fit.better.loops.front();
+    const RunFit& run = fit.better.runs.front();
     for (const std::string& note : run.notes) {
       warned += note.find("differ") != std::string::npos ? 1 : 0;
     }

@@ -1,0 +1,244 @@
+// palpate-fit lateral: lateral loops in, tangential stiffness, friction and presliding
+// out.
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fitting/command/commands.h"
+#include "fitting/command/estimate_text.h"
+#include "fitting/command/lateral_file.h"
+#include "fitting/command/machine_options.h"
+#include "fitting/lateral/lateral_json.h"
+#include "fitting/lateral/lateral_scene.h"
+#include "formats/base/error.h"
+#include "formats/base/json_text.h"
+
+namespace palpate {
+namespace {
+
+struct LateralOptions {
+  std::vector<std::string> files;
+  MeasurementColumns given;
+  MeasurementColumn normal;
+  bool ignore_header_units = false;
+  std::vector<double> normal_n, depth_mm;  // one of each run
+  MachineOptions machine;
+  std::string scene;  // file for its keys; empty: none
+  bool json = false;
+
+  [[nodiscard]] HeaderUnits header_units() const {
+    return ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
+  }
+};
+
+// One value of each run, or one for all.
+void share_out(const std::vector<double>& values, const char* option,
+               std::vector<LateralRun>& runs, double LateralRun::*value) {
+  if (!values.empty() && values.size() != 1 && values.size() != runs.size()) {
+    throw InputError(
+        fmt::format("{}: has {} values, must have 1 or one for each of {} runs", option,
+                    values.size(), runs.size()));
+  }
+  for (std::size_t i = 0; !values.empty() && i < runs.size(); ++i) {
+    runs[i].*value = values.size() == 1 ? values.front() : values[i];
+  }
+}
+
+void take_given_columns(LateralOptions& options) {
+  options.given.time = given_time(options.machine);
+  options.given.lateral.emplace();
+  options.given.lateral->normal_is_known = !options.normal_n.empty();
+  if (options.normal.column.empty()) {
+    if (!options.normal.unit.empty()) {
+      throw InputError("--normal-force-unit goes with --normal-force-column");
+    }
+    return;
+  }
+  if (!options.normal_n.empty()) {
+    throw InputError("--normal-force-column and --normal-force-n: tell one of them");
+  }
+  if (options.normal.unit.empty()) {
+    options.normal.unit = kUnitFromHeader;
+  }
+  options.given.lateral->normal = options.normal;
+}
+
+std::vector<LateralRun> all_runs(const std::vector<LateralFile>& files,
+                                 const LateralOptions& options) {
+  std::vector<LateralRun> runs;
+  for (const LateralFile& file : files) {
+    runs.insert(runs.end(), file.run.begin(), file.run.end());
+  }
+  share_out(options.normal_n, "--normal-force-n", runs, &LateralRun::normal_stated_n);
+  share_out(options.depth_mm, "--depth-mm", runs, &LateralRun::depth_m);
+  for (LateralRun& run : runs) {
+    run.depth_m *= 1e-3;
+  }
+  return runs;
+}
+
+nlohmann::ordered_json files_json(const std::vector<LateralFile>& files) {
+  auto json = nlohmann::ordered_json::array();
+  for (const LateralFile& file : files) {
+    json.push_back({{"layout", file.layout},
+                    {"displacement_column", file.displacement_column},
+                    {"force_column", file.force_column},
+                    {"normal_force_column", file.normal_column},
+                    {"notes", file.notes}});
+  }
+  return json;
+}
+
+void print_run(const RunFit& run, std::size_t number) {
+  const std::string depth = std::isnan(run.depth_m)
+                                ? std::string()
+                                : fmt::format(", depth {:.4g} m", run.depth_m);
+  const std::string normal = std::isnan(run.normal_n)
+                                 ? std::string()
+                                 : fmt::format(", normal force {:.4g} N", run.normal_n);
+  fmt::print("{:<24} {}{}{}: {} samples stick, {} slide, {} closed loops\n",
+             fmt::format("run {}", number), run.name, depth, normal, run.samples.sticks,
+             run.samples.slides(), run.cycle.size());
+  print_estimate("  stiffness k", run.stiffness_n_per_m, "N/m");
+  print_estimate("  sliding force", run.slip_force_n, "N");
+  print_estimate("  friction mu", run.friction, "");
+  print_estimate("  presliding length", run.presliding_m, "m");
+  print_estimate("  loss a cycle", run.loss_j, "J");
+  print_estimate("  loss by the law", run.modelled_loss_j, "J");
+  print_estimate("  drift", run.drift_n, "N");
+  fmt::print("{:<24} {:>13.6g} N rms\n", "  residual", run.rms_n);
+  for (const std::string& note : run.notes) {
+    fmt::print("{:<24} {}\n", "  note", note);
+  }
+}
+
+void print_laws(const LateralFit& fit) {
+  fmt::print("{:<24} {}: residual {:.3g} N rms, of {} {:.3g} N\n", "law",
+             law_name(fit.better.law), fit.better.rms_n, law_name(fit.other.law),
+             fit.other.rms_n);
+  if (!fit.laws_differ()) {
+    fmt::print("{:<24} the data do not tell the laws apart (odds below 20)\n", "");
+  }
+  const IntervalEstimate &k = fit.better.runs.front().stiffness_n_per_m,
+                         &other = fit.other.runs.front().stiffness_n_per_m;
+  if (k.refused.empty() && other.refused.empty()) {
+    fmt::print("{:<24} {} would give k {:.4g} N/m and {:.4g} times the likelihood\n",
+               "", law_name(fit.other.law), other.value, std::exp(-0.5 * fit.deviance));
+  }
+}
+
+void print_lateral(const std::vector<LateralFile>& files, const LateralFit& fit) {
+  for (const LateralFile& file : files) {
+    fmt::print("{:<24} {}, displacement \"{}\", force \"{}\"{}\n", "file", file.layout,
+               file.displacement_column, file.force_column,
+               file.normal_column.empty()
+                   ? std::string()
+                   : fmt::format(", normal force \"{}\"", file.normal_column));
+    for (const std::string& note : file.notes) {
+      fmt::print("{:<24} {}\n", "  note", note);
+    }
+  }
+  fmt::print("{:<24} +- is one standard deviation, [] holds 95 %\n", "fit");
+  print_laws(fit);
+  print_estimate("friction mu", fit.better.friction, "");
+  print_estimate("presliding length", fit.better.presliding_m, "m");
+  for (std::size_t i = 0; i < fit.better.runs.size(); ++i) {
+    print_run(fit.better.runs[i], i + 1);
+  }
+  if (fit.better.frictions_differ) {
+    fmt::print(
+        "{:<24} the runs' friction coefficients differ beyond their errors; each "
+        "keeps its own\n",
+        "warning");
+  }
+}
+
+void run_lateral(LateralOptions& options) {
+  if (!options.machine.cycle.empty()) {
+    throw InputError("--cycle: lateral fits all cycles of its files together");
+  }
+  take_given_columns(options);
+  std::vector<LateralFile> files;
+  for (const std::string& file : options.files) {
+    files.push_back(read_lateral_file(file, options.given, options.header_units()));
+  }
+  const auto frame = frame_of(options.machine, [&](const std::string& file) {
+    const LateralRun run =
+        read_lateral_file(file, options.given, options.header_units()).run.front();
+    return Measurement{.depth_m = run.displacement_m, .force_n = run.force_n};
+  });
+  const std::vector<LateralRun> runs = all_runs(files, options);
+  try {
+    const LateralFit fit = fit_lateral(runs, frame ? &frame->frame : nullptr);
+    if (!options.scene.empty()) {
+      write_scene_part(lateral_scene(fit), options.scene);
+    }
+    if (options.json) {
+      nlohmann::ordered_json json;
+      json["files"] = files_json(files);
+      json.update(to_json(fit));
+      fmt::print("{}\n", json_text(json));
+    } else {
+      print_lateral(files, fit);
+    }
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    throw InputError(options.files.size() == 1 && message.starts_with(options.files[0])
+                         ? message
+                         : fmt::format("{}: {}", joined_names(options.files), message));
+  }
+}
+
+void add_column_options(Command command, LateralOptions& options) {
+  const std::string by_header = "name or number; default: as the header tells",
+                    lengths = "m, cm, mm, um, nm, in; default: the header's",
+                    forces =
+                        "kN, N, cN, mN, uN, nN, gf, kgf, lbf; default: the header's";
+  command.add_option("--displacement-column", options.given.depth.column,
+                     "lateral displacement: " + by_header);
+  command.add_option("--displacement-unit", options.given.depth.unit, lengths);
+  command.add_option("--force-column", options.given.force.column,
+                     "tangential force: " + by_header);
+  command.add_option("--force-unit", options.given.force.unit, forces);
+  command.add_option("--normal-force-column", options.normal.column,
+                     "force that presses: " + by_header);
+  command.add_option("--normal-force-unit", options.normal.unit, forces);
+  command.add_flag("--ignore-header-units", options.ignore_header_units,
+                   "trust the flags where the header states other units");
+}
+
+}  // namespace
+
+void add_lateral_command(Command app) {
+  auto options = std::make_shared<LateralOptions>();
+  Command command = app.add_subcommand(
+      "lateral", "Fit tangential stiffness, friction and presliding of lateral loops.");
+  command
+      .add_option("FILE", options->files,
+                  "loops of tangential force against lateral displacement at a held "
+                  "depth; layouts as of curve")
+      .required();
+  add_column_options(command, *options);
+  command
+      .add_option("--normal-force-n", options->normal_n,
+                  "constant normal force in place of a column: one, or one of each run")
+      .separated_by(',');
+  command
+      .add_option("--depth-mm", options->depth_mm,
+                  "depth at which it was held, for the report: one, or one of each run")
+      .separated_by(',');
+  command.add_option("--scene", options->scene,
+                     "file for friction and presliding of a scene's tool (TOML)");
+  add_machine_options(command, options->machine);
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
+    run_lateral(*options);
+  });
+}
+
+}  // namespace palpate
