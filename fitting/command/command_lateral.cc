@@ -2,6 +2,7 @@
 // out.
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ namespace {
 struct LateralOptions {
   std::vector<std::string> files;
   MeasurementColumns given;
-  MeasurementColumn normal;
+  MeasurementColumn normal, across, across_force;
   bool ignore_header_units = false;
   std::vector<double> normal_n, depth_mm;  // one of each run
   MachineOptions machine;
@@ -35,6 +36,44 @@ struct LateralOptions {
     return ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
   }
 };
+
+// Motions along a line together, motions in the plane one by one.
+struct LateralReport {
+  std::optional<LateralFit> line;
+  std::vector<PlaneFit> plane;
+  std::vector<std::string> notes;
+
+  [[nodiscard]] const IntervalEstimate& friction() const {
+    return line ? line->better.friction : plane.front().friction;
+  }
+  [[nodiscard]] const IntervalEstimate& presliding_m() const {
+    return line ? line->better.presliding_m : plane.front().presliding_m;
+  }
+};
+
+LateralReport fit_runs(const std::vector<LateralRun>& runs,
+                       const FrameCompliance* frame) {
+  LateralReport report;
+  std::vector<LateralRun> lines;
+  for (const LateralRun& run : runs) {
+    const LineMotion motion = along_line(run);
+    if (run.across_m.empty() || motion.on_line) {
+      lines.push_back(motion.run);
+    } else {
+      report.plane.push_back(fit_plane(run, frame));
+    }
+    if (motion.on_line) {
+      report.notes.push_back(fmt::format(
+          "{}: the motion lies on one line, at {:.1f} degrees: the stiffness across it "
+          "and their coupling are not determined",
+          run.name, motion.direction_rad * 180.0 / std::numbers::pi));
+    }
+  }
+  if (!lines.empty()) {
+    report.line = fit_lateral(lines, frame);
+  }
+  return report;
+}
 
 // One value of each run, or one for all.
 void share_out(const std::vector<double>& values, const char* option,
@@ -49,9 +88,27 @@ void share_out(const std::vector<double>& values, const char* option,
   }
 }
 
+// Across the first direction both columns, in its units.
+void take_given_across(LateralOptions& options) {
+  if (options.across.column.empty() != options.across_force.column.empty()) {
+    throw InputError("--across-column and --across-force-column go together");
+  }
+  if (options.across.column.empty()) {
+    return;
+  }
+  const auto unit_of = [](const MeasurementColumn& first) {
+    return first.unit.empty() ? std::string(kUnitFromHeader) : first.unit;
+  };
+  options.across.unit = unit_of(options.given.depth);
+  options.across_force.unit = unit_of(options.given.force);
+  options.given.lateral->across = options.across;
+  options.given.lateral->across_force = options.across_force;
+}
+
 void take_given_columns(LateralOptions& options) {
   options.given.time = given_time(options.machine);
   options.given.lateral.emplace();
+  take_given_across(options);
   options.given.lateral->normal_is_known = !options.normal_n.empty();
   if (options.normal.column.empty()) {
     if (!options.normal.unit.empty()) {
@@ -132,18 +189,18 @@ void print_laws(const LateralFit& fit) {
   }
 }
 
-void print_lateral(const std::vector<LateralFile>& files, const LateralFit& fit) {
-  for (const LateralFile& file : files) {
-    fmt::print("{:<24} {}, displacement \"{}\", force \"{}\"{}\n", "file", file.layout,
-               file.displacement_column, file.force_column,
-               file.normal_column.empty()
-                   ? std::string()
-                   : fmt::format(", normal force \"{}\"", file.normal_column));
-    for (const std::string& note : file.notes) {
-      fmt::print("{:<24} {}\n", "  note", note);
-    }
-  }
-  fmt::print("{:<24} +- is one standard deviation, [] holds 95 %\n", "fit");
+void print_plane(const PlaneFit& fit) {
+  fmt::print("{:<24} {}: {}, residual {:.3g} N rms, of the other law {:.3g} N\n",
+             "plane motion", fit.name, law_name(fit.law), fit.rms_n, fit.other_rms_n);
+  print_estimate("  stiffness k_xx", fit.xx_n_per_m, "N/m");
+  print_estimate("  stiffness k_xy", fit.xy_n_per_m, "N/m");
+  print_estimate("  stiffness k_yy", fit.yy_n_per_m, "N/m");
+  print_estimate("  sliding force", fit.slip_force_n, "N");
+  print_estimate("  friction mu", fit.friction, "");
+  print_estimate("  presliding length", fit.presliding_m, "m");
+}
+
+void print_line_fit(const LateralFit& fit) {
   print_laws(fit);
   print_estimate("friction mu", fit.better.friction, "");
   print_estimate("presliding length", fit.better.presliding_m, "m");
@@ -156,6 +213,44 @@ void print_lateral(const std::vector<LateralFile>& files, const LateralFit& fit)
         "keeps its own\n",
         "warning");
   }
+}
+
+void print_lateral(const std::vector<LateralFile>& files, const LateralReport& report) {
+  for (const LateralFile& file : files) {
+    fmt::print("{:<24} {}, displacement \"{}\", force \"{}\"{}\n", "file", file.layout,
+               file.displacement_column, file.force_column,
+               file.normal_column.empty()
+                   ? std::string()
+                   : fmt::format(", normal force \"{}\"", file.normal_column));
+    for (const std::string& note : file.notes) {
+      fmt::print("{:<24} {}\n", "  note", note);
+    }
+  }
+  fmt::print("{:<24} +- is one standard deviation, [] holds 95 %\n", "fit");
+  if (report.line) {
+    print_line_fit(*report.line);
+  }
+  for (const PlaneFit& fit : report.plane) {
+    print_plane(fit);
+  }
+  for (const std::string& note : report.notes) {
+    fmt::print("{:<24} {}\n", "not separated", note);
+  }
+}
+
+void print_lateral_json(const std::vector<LateralFile>& files,
+                        const LateralReport& report) {
+  nlohmann::ordered_json json;
+  json["files"] = files_json(files);
+  if (report.line) {
+    json.update(to_json(*report.line));
+  }
+  json["plane"] = nlohmann::ordered_json::array();
+  for (const PlaneFit& fit : report.plane) {
+    json["plane"].push_back(to_json(fit));
+  }
+  json["notes"] = report.notes;
+  fmt::print("{}\n", json_text(json));
 }
 
 void run_lateral(LateralOptions& options) {
@@ -174,18 +269,12 @@ void run_lateral(LateralOptions& options) {
   });
   const std::vector<LateralRun> runs = all_runs(files, options);
   try {
-    const LateralFit fit = fit_lateral(runs, frame ? &frame->frame : nullptr);
+    const LateralReport report = fit_runs(runs, frame ? &frame->frame : nullptr);
     if (!options.scene.empty()) {
-      write_scene_part(lateral_scene(fit), options.scene);
+      write_scene_part(lateral_scene(report.friction(), report.presliding_m()),
+                       options.scene);
     }
-    if (options.json) {
-      nlohmann::ordered_json json;
-      json["files"] = files_json(files);
-      json.update(to_json(fit));
-      fmt::print("{}\n", json_text(json));
-    } else {
-      print_lateral(files, fit);
-    }
+    options.json ? print_lateral_json(files, report) : print_lateral(files, report);
   } catch (const InputError& error) {
     const std::string message = error.what();
     throw InputError(options.files.size() == 1 && message.starts_with(options.files[0])
@@ -208,6 +297,10 @@ void add_column_options(Command command, LateralOptions& options) {
   command.add_option("--normal-force-column", options.normal.column,
                      "force that presses: " + by_header);
   command.add_option("--normal-force-unit", options.normal.unit, forces);
+  command.add_option("--across-column", options.across.column,
+                     "displacement across the first, of a motion in two directions");
+  command.add_option("--across-force-column", options.across_force.column,
+                     "tangential force across the first");
   command.add_flag("--ignore-header-units", options.ignore_header_units,
                    "trust the flags where the header states other units");
 }

@@ -61,6 +61,8 @@ void take_run(LateralRun run, std::vector<LateralRun>& runs) {
   append(run.force_n, last.force_n);
   append(run.time_s, last.time_s);
   append(run.normal_n, last.normal_n);
+  append(run.across_m, last.across_m);
+  append(run.across_n, last.across_n);
 }
 
 }  // namespace
@@ -78,6 +80,8 @@ LateralFile read_lateral_file(const std::string& file, const MeasurementColumns&
     run.force_n = std::move(table.samples.force_n);
     run.time_s = std::move(table.samples.time_s);
     run.normal_n = std::move(table.normal_n);
+    run.across_m = std::move(table.across_m);
+    run.across_n = std::move(table.across_n);
     take_run(std::move(run), read.run);
     read.displacement_column = table.depth_column;
     read.force_column = table.force_column;

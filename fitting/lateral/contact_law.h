@@ -3,11 +3,11 @@
 //   sharp slip     g = u_c / x_p                          slides from u_c = x_p on
 //   partial slip   g = 1 - (1 - u_c / x_s)^(3/2)          slides from u_c = x_s on
 //
-// Symbols: q = S g tangential force [N], S force while the contact slides [N], u_c
-// displacement of the contact [m], k tangential stiffness at rest [N/m]. x_p = S / k is
-// the presliding length [m], x_s = 3/2 x_p. Both laws begin with the stiffness k. Sharp
-// slip is what the runtime renders (FrictionSpring). Partial slip is of Cattaneo (1938)
-// and Mindlin (1949): a ring of the contact slips, and grows inwards.
+// Symbols: q = S g tangential force [N], S force while the contact slides [N], k
+// tangential stiffness at rest [N/m]. u_c is the displacement of the contact [m], x_p =
+// S / k the presliding length [m], x_s = 3/2 x_p. Both laws begin with the stiffness k.
+// Sharp slip is what the runtime renders (FrictionSpring). Partial slip is of Cattaneo
+// (1938) and Mindlin (1949): a ring of the contact slips, and grows inwards.
 //
 // An instrument of stiffness k_i in series moves u = u_c + q / k_i.
 //

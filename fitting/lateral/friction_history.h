@@ -1,12 +1,12 @@
-// The force of a contact along any path of lateral displacements, by what it remembers:
+// The force of a contact along any path of lateral displacements. The contact remembers
 // the places where the motion turned and which no larger motion has wiped out.
 //
 //   p = +-g(|xi_1 - a|) +- sum_k 2 g(|xi_(k+1) - xi_k| / 2)
 //
 // Symbols: p = q / S [-1, 1], g the curve from rest (contact_law.h), a the place
-// without tangential force [m], xi_k the remembered turns, the last xi the present
-// place, signs those of the motion. This is Masing's rule with Madelung's memory: a
-// motion that goes beyond the turn before the last forgets both.
+// without tangential force [m]. xi_k are the remembered turns, the last xi is the
+// present place. Signs are those of the motion. This is Masing's rule with Madelung's
+// memory: a motion that goes beyond the turn before the last forgets both.
 #pragma once
 
 #include <vector>

@@ -26,7 +26,7 @@ nlohmann::ordered_json loss_json(const RunFit& run) {
   return json;
 }
 
-nlohmann::ordered_json run_json(const RunFit& run) {
+nlohmann::ordered_json lateral_run_json(const RunFit& run) {
   nlohmann::ordered_json json;
   json["name"] = run.name;
   json["depth_m"] = number_or_null(run.depth_m);
@@ -70,9 +70,27 @@ nlohmann::ordered_json to_json(const LateralFit& fit) {
   json["presliding_m"] = to_json(fit.better.presliding_m);
   json["runs"] = nlohmann::ordered_json::array();
   for (const RunFit& run : fit.better.runs) {
-    json["runs"].push_back(run_json(run));
+    json["runs"].push_back(lateral_run_json(run));
   }
   json["laws"] = {law_json(fit.better, 0.0), law_json(fit.other, fit.deviance)};
+  return json;
+}
+
+nlohmann::ordered_json to_json(const PlaneFit& fit) {
+  nlohmann::ordered_json json;
+  json["name"] = fit.name;
+  json["law"] = law_name(fit.law);
+  json["deviance"] = fit.deviance;
+  json["depth_m"] = number_or_null(fit.depth_m);
+  json["normal_n"] = number_or_null(fit.normal_n);
+  json["stiffness_n_per_m"] = {{"xx", to_json(fit.xx_n_per_m)},
+                               {"xy", to_json(fit.xy_n_per_m)},
+                               {"yy", to_json(fit.yy_n_per_m)}};
+  json["slip_force_n"] = to_json(fit.slip_force_n);
+  json["friction"] = to_json(fit.friction);
+  json["presliding_m"] = to_json(fit.presliding_m);
+  json["rms_n"] = fit.rms_n;
+  json["other_rms_n"] = fit.other_rms_n;
   return json;
 }
 

@@ -252,6 +252,7 @@ LateralPath find_lateral_path(const LateralRun& run) {
     std::tie(begin, end) = pressed_samples(normal);
   }
   LateralPath path;
+  path.first = begin;
   path.apart = run.force_n.size() - (end - begin);
   path.displacement_m = part(run.displacement_m, begin, end);
   path.force_n = part(run.force_n, begin, end);

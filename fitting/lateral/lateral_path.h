@@ -16,6 +16,8 @@ struct LateralRun {
   std::vector<double> force_n;         ///< (n) tangential
   std::vector<double> time_s = {};     ///< (n), or empty
   std::vector<double> normal_n = {};   ///< (n), or empty
+  /// (n), or empty: displacement and force across the first, of a plane motion
+  std::vector<double> across_m = {}, across_n = {};
   /// [N] a constant normal force in place of a column; NaN: none is known
   double normal_stated_n = std::numeric_limits<double>::quiet_NaN();
   /// [m] depth at which it was held; NaN: not known
@@ -42,6 +44,7 @@ struct LateralPath {
   double normal_n = std::numeric_limits<double>::quiet_NaN();  ///< [N] mean; NaN: none
   double travel_m = 0.0;      ///< [m] largest less smallest displacement
   bool force_turned = false;  ///< the force's sign was changed
+  std::size_t first = 0;      ///< sample of the run that is the first here
   std::size_t apart = 0;      ///< samples at the ends that were not in contact
 };
 
@@ -54,8 +57,8 @@ constexpr double kNormalShareMin = 0.2;   ///< [-] of the mean normal force, whi
 /// its median are not in contact and are left out. Normal forces may have either sign.
 /// Their noise is taken out by means of neighbours.
 /// @throws InputError for unequal counts, values that are not finite, fewer than
-/// kLateralSamplesMin samples in contact, no motion, and a normal force that falls
-/// below kNormalShareMin of its mean.
+/// kLateralSamplesMin samples in contact, and no motion. InputError too for a normal
+/// force that falls below kNormalShareMin of its mean.
 [[nodiscard]] LateralPath find_lateral_path(const LateralRun& run);
 
 }  // namespace palpate

@@ -6,9 +6,8 @@
 
 namespace palpate {
 
-std::string lateral_scene(const LateralFit& fit) {
-  const IntervalEstimate& friction = fit.better.friction;
-  const IntervalEstimate& presliding = fit.better.presliding_m;
+std::string lateral_scene(const IntervalEstimate& friction,
+                          const IntervalEstimate& presliding_m) {
   if (!friction.refused.empty()) {
     throw InputError(
         fmt::format("a scene needs the friction coefficient, which was not found: {}",
@@ -16,9 +15,9 @@ std::string lateral_scene(const LateralFit& fit) {
   }
   return fmt::format("[[tool]]  # add name, shape and lengths\nfriction = {:.6g}\n{}",
                      friction.value,
-                     presliding.refused.empty()
-                         ? fmt::format("presliding_m = {:.6g}\n", presliding.value)
-                         : fmt::format("# presliding_m: {}\n", presliding.refused));
+                     presliding_m.refused.empty()
+                         ? fmt::format("presliding_m = {:.6g}\n", presliding_m.value)
+                         : fmt::format("# presliding_m: {}\n", presliding_m.refused));
 }
 
 }  // namespace palpate

@@ -3,9 +3,10 @@
 //   q_i = S n_i p_i + b + c t_i
 //
 // Symbols: q_i measured force [N], S force while all slides at the mean normal force
-// [N], n_i normal force over its mean, p_i friction_history.h, b offset [N], t_i clock
-// from 0 to 1, c drift [N]. Presliding length and the shape of the curve do not depend
-// on n_i: the stiffness is in proportion to the normal force, as the runtime's is.
+// [N], n_i normal force over its mean, p_i of friction_history.h. b is the offset [N],
+// t_i the clock from 0 to 1, c the drift [N]. Presliding length and the shape of the
+// curve do not depend on n_i. The stiffness is in proportion to the normal force, as
+// the runtime's is.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // A contact that is moved sideways, as springs in parallel of which each slides at a
-// force of its own (Iwan 1966): step by step, without closed forms of the loops.
+// force of its own (Iwan 1966). The springs move step by step, without closed forms of
+// loops.
 //
 // One spring is a sharp slip. Partial slip of Cattaneo and Mindlin is a share
 // phi(r) dr = (1 - r/x_s)^(-1/2) / (2 x_s) dr of springs that slide at the stretch r.
