@@ -66,7 +66,8 @@ LateralReport fit_runs(const std::vector<LateralRun>& runs,
       report.notes.push_back(fmt::format(
           "{}: the motion lies on one line, at {:.1f} degrees: the stiffness across it "
           "and their coupling are not determined",
-          run.name, motion.direction_rad * 180.0 / std::numbers::pi));
+          run.name,
+          std::round(motion.direction_rad * 1800.0 / std::numbers::pi) / 10.0 + 0.0));
     }
   }
   if (!lines.empty()) {
@@ -184,8 +185,10 @@ void print_laws(const LateralFit& fit) {
   const IntervalEstimate &k = fit.better.runs.front().stiffness_n_per_m,
                          &other = fit.other.runs.front().stiffness_n_per_m;
   if (k.refused.empty() && other.refused.empty()) {
-    fmt::print("{:<24} {} would give k {:.4g} N/m and {:.4g} times the likelihood\n",
-               "", law_name(fit.other.law), other.value, std::exp(-0.5 * fit.deviance));
+    fmt::print(
+        "{:<24} {} would give k {:.4g} N/m; -2 log of its likelihood over the "
+        "first is {:.4g}\n",
+        "", law_name(fit.other.law), other.value, fit.deviance);
   }
 }
 

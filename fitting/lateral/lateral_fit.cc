@@ -36,7 +36,7 @@ struct RunSolution {
     const LoopSamples& samples = solved.samples;
     return samples.sticks >=
                std::max(kLoopPartMin, kSticksPerMotion * samples.motions) &&
-           covariance(0, 0) < kStiffVariance &&
+           covariance(0, 0) < kStiffVariance && !solved.endless &&
            !solved.held[static_cast<std::size_t>(kLogStiffness)];
   }
   [[nodiscard]] bool has_normal() const { return !std::isnan(path.normal_n); }
@@ -154,8 +154,13 @@ void state_friction(const RunSolution& s, const std::vector<FrictionState>& stat
                                   : refused_estimate("needs the tangential stiffness");
     return;
   }
-  const double borne = borne_n(s, states);
   const std::string never = "the contact never slides";
+  if (!s.sticks()) {  // noise bears nothing
+    fit.slip_force_n = fit.presliding_m = refused_estimate(never);
+    fit.friction = refused_estimate(s.has_normal() ? never : no_normal);
+    return;
+  }
+  const double borne = borne_n(s, states);
   fit.slip_force_n = refused_estimate(never, borne);
   fit.friction = s.has_normal() ? refused_estimate(never, borne / s.path.normal_n)
                                 : refused_estimate(no_normal);
@@ -203,7 +208,8 @@ void note_what_was_done(const RunSolution& s, RunFit& fit) {
   if (s.path.force_turned) {
     fit.notes.emplace_back("the force's sign is changed: it does work on the contact");
   }
-  if (held(kZero) && (s.path.turn.empty() || s.solved.samples.slides() == 0)) {
+  const LoopSamples& samples = s.solved.samples;
+  if (held(kZero) && std::min(samples.slides_up, samples.slides_down) < kLoopPartMin) {
     fit.notes.emplace_back(
         "the contact does not slide both ways: the force where the motion begins is "
         "taken for 0");
@@ -211,6 +217,21 @@ void note_what_was_done(const RunSolution& s, RunFit& fit) {
   if (held(kDrift)) {
     fit.notes.emplace_back("too little motion both ways to tell a drift: taken for 0");
   }
+}
+
+// Samples that stick and yet tell no stiffness: noise, or a frame that is too soft.
+IntervalEstimate no_stiffness(const RunSolution& s) {
+  if (s.solved.samples.sticks >= kLoopPartMin && s.solved.endless) {
+    return refused_estimate(
+        std::isfinite(s.solved.instrument_n_per_m)
+            ? "the frame as stated deflects as far as contact and frame together"
+            : "the force does not follow the displacement");
+  }
+  return refused_estimate(
+      "too few samples between rest and sliding: their steps are as long as the "
+      "presliding length",
+      s.solved.stiffest_n_per_m > 0.0 ? s.solved.stiffest_n_per_m
+                                      : std::numeric_limits<double>::quiet_NaN());
 }
 
 RunFit run_fit_of(const RunSolution& s) {
@@ -223,12 +244,7 @@ RunFit run_fit_of(const RunSolution& s) {
   fit.zero_m = s.solved.zero_m(s.path, s.solved.q);
   fit.rms_n = s.solved.range_n * s.solved.residual.norm() /
               std::sqrt(static_cast<double>(s.solved.residual.size()));
-  fit.stiffness_n_per_m =
-      s.sticks() ? of_logs(s, 1.0, 0.0)
-                 : refused_estimate(
-                       "too few samples between rest and sliding: their steps are as "
-                       "long as the presliding length",
-                       s.solved.stiffest_n_per_m);
+  fit.stiffness_n_per_m = s.sticks() ? of_logs(s, 1.0, 0.0) : no_stiffness(s);
   fit.drift_n = s.solved.held[kDrift] ? refused_estimate("not separated from friction")
                                       : estimate(
                                             [&](const Eigen::VectorXd& q) {

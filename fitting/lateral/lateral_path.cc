@@ -95,9 +95,14 @@ void take_normal_force(const LateralRun& run, std::size_t begin, std::size_t end
     return;
   }
   path.normal_share = part(run.normal_n, begin, end);
-  path.normal_n =
-      sign * std::accumulate(path.normal_share.begin(), path.normal_share.end(), 0.0) /
-      static_cast<double>(end - begin);
+  // The mean along the way: where nothing moves the normal force matters little.
+  double way = 0.0, sum = 0.0;
+  for (std::size_t i = 1; i < path.displacement_m.size(); ++i) {
+    const double step = std::abs(path.displacement_m[i] - path.displacement_m[i - 1]);
+    way += step;
+    sum += step * sign * path.normal_share[i];
+  }
+  path.normal_n = sum / way;
   path.normal_share = smoothed(path.normal_share);
   for (double& share : path.normal_share) {
     share *= sign / path.normal_n;
@@ -226,15 +231,26 @@ std::vector<std::size_t> fitted_samples(const std::vector<double>& x) {
   return fitted;
 }
 
-// Work over the force at the beginning.
+// Friction takes work, and a spring's force rises with the displacement. Both have the
+// sign of the force: work over the force at the beginning as a share of the most that
+// the forces' range allows, and correlation.
 double sign_of_tangential(const LateralPath& path) {
-  const double before = median(part(path.force_n, 0, kFirstForces));
-  double work = 0.0;
-  for (std::size_t i = 1; i < path.force_n.size(); ++i) {
-    work += (0.5 * (path.force_n[i] + path.force_n[i - 1]) - before) *
-            (path.displacement_m[i] - path.displacement_m[i - 1]);
+  const auto& x = path.displacement_m;
+  const auto& f = path.force_n;
+  const double before = median(part(f, 0, kFirstForces));
+  const auto n = static_cast<double>(x.size());
+  const double mean_x = std::accumulate(x.begin(), x.end(), 0.0) / n;
+  const double mean_f = std::accumulate(f.begin(), f.end(), 0.0) / n;
+  double work = 0.0, way = 0.0, xx = 0.0, xf = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double step = i == 0 ? 0.0 : x[i] - x[i - 1];
+    work += i == 0 ? 0.0 : (0.5 * (f[i] + f[i - 1]) - before) * step;
+    way += std::abs(step);
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xf += (x[i] - mean_x) * (f[i] - mean_f);
+    ff += (f[i] - mean_f) * (f[i] - mean_f);
   }
-  return work < 0.0 ? -1.0 : 1.0;
+  return work / (0.5 * extent(f) * way) + xf / std::sqrt(xx * ff) < 0.0 ? -1.0 : 1.0;
 }
 
 }  // namespace
@@ -263,6 +279,9 @@ LateralPath find_lateral_path(const LateralRun& run) {
   }
   if (!(path.travel_m > 0.0)) {
     throw InputError("the contact does not move sideways");
+  }
+  if (!(extent(path.force_n) > 0.0)) {
+    throw InputError("the tangential force does not change");
   }
   take_normal_force(run, begin, end, sign, path);
   path.clock = sample_clock(part(run.time_s, begin, end), end - begin);

@@ -41,7 +41,8 @@ struct LateralPath {
   std::vector<double> clock;           ///< (n) [-] 0 to 1
   std::vector<std::size_t> fitted;     ///< samples that move, and those before motion
   std::vector<LateralTurn> turn;       ///< in order, without the ends of the path
-  double normal_n = std::numeric_limits<double>::quiet_NaN();  ///< [N] mean; NaN: none
+  double normal_n = std::numeric_limits<double>::quiet_NaN();  ///< [N] mean along
+                                                               ///< the way; NaN: none
   double travel_m = 0.0;      ///< [m] largest less smallest displacement
   bool force_turned = false;  ///< the force's sign was changed
   std::size_t first = 0;      ///< sample of the run that is the first here
@@ -57,8 +58,8 @@ constexpr double kNormalShareMin = 0.2;   ///< [-] of the mean normal force, whi
 /// its median are not in contact and are left out. Normal forces may have either sign.
 /// Their noise is taken out by means of neighbours.
 /// @throws InputError for unequal counts, values that are not finite, fewer than
-/// kLateralSamplesMin samples in contact, and no motion. InputError too for a normal
-/// force that falls below kNormalShareMin of its mean.
+/// kLateralSamplesMin samples in contact, no motion, and a constant force. InputError
+/// too for a normal force that falls below kNormalShareMin of its mean.
 [[nodiscard]] LateralPath find_lateral_path(const LateralRun& run);
 
 }  // namespace palpate

@@ -32,6 +32,7 @@ enum PlaneParameter : Eigen::Index {
   kPlaneParameters = 10
 };
 constexpr std::array kPlaneReaches{0.01, 0.03, 0.1, 0.3};  // x_p over the travel
+constexpr int kSubsteps = 8;              // between samples: a sliding force turns
 constexpr double kSlideLimit = 0.98;      // [-] of S, at which a sample slides
 constexpr double kDerivativeStep = 1e-6;  // [-]
 constexpr double kTensorVariance = 1.0;   // of ln K: more is no value
@@ -89,17 +90,20 @@ std::vector<Vector2> friction_along(const PlanePath& path, ContactLaw law,
                              path.range_n * q.segment<2>(kStart));
   std::vector<Vector2> forces;
   for (std::size_t i = 0; i < path.place_m.size(); ++i) {
-    const Vector2 more =
-        i == 0 ? Vector2::Zero() : Vector2(K * (path.place_m[i] - path.place_m[i - 1]));
+    const Vector2 way = i == 0 ? Vector2::Zero().eval()
+                               : Vector2(path.place_m[i] - path.place_m[i - 1]);
+    const Vector2 more = K * way / kSubsteps;
     Vector2 sum = Vector2::Zero();
     for (int e = 0; e < count; ++e) {
       const double y = (e + 0.5) / count;
       const double rho = count == 1 ? 1.0 : 1.5 * (1.0 - y * y);
-      Vector2& force = bears[static_cast<std::size_t>(e)];
-      force += more;
       const double limit = rho * slip * path.along.normal_share[i];
-      const double size = force.norm();
-      force *= size > limit ? limit / size : 1.0;
+      Vector2& force = bears[static_cast<std::size_t>(e)];
+      for (int step = 0; step < kSubsteps; ++step) {
+        force += more;
+        const double size = force.norm();
+        force *= size > limit ? limit / size : 1.0;
+      }
       sum += force / count;
     }
     forces.push_back(sum);

@@ -299,7 +299,9 @@ SolvedLoop solve_loop(const LateralPath& path, ContactLaw law,
     hold_flat_zero(path, now);
   }
   count_motions(path, states_along(path, now.curve(), now.zero_m(path, now.q)), now);
-  now.covariance = least_squares_covariance(loop_problem(path, now), now.q);
+  const LeastSquaresProblem problem = loop_problem(path, now);
+  now.endless = at_bound(problem, now.q)[static_cast<std::size_t>(kLogStiffness)];
+  now.covariance = least_squares_covariance(problem, now.q);
   return now;
 }
 

@@ -45,6 +45,7 @@ struct SolvedLoop {
   LoopSamples samples;
   bool slides = false;  ///< beyond the noise; else S is no more than a lower bound
   bool converged = false;
+  bool endless = false;           ///< k is at a bound: no sample tells it
   double stiffest_n_per_m = 0.0;  ///< least stiffness at which no sample would stick
 
   [[nodiscard]] ContactCurve curve() const { return curve(q); }

@@ -16,10 +16,11 @@ namespace {
 
 enum class LateralPart { kAlong, kAcross, kNormal, kUnsaid };
 
-constexpr std::array kAlongWords{"x",       "fx",         "ft",      "fl",
-                                 "lateral", "tangential", "shear",   "friction",
-                                 "stroke",  "horizontal", "sliding", "slide",
-                                 "tangent", "traction",   "drag",    "frictional"};
+constexpr std::size_t kStem = 5;  // letters: "normal" begins "normalkraft"
+constexpr std::array kAlongWords{
+    "x",       "fx",       "ft",     "fl",         "lateral",       "tangential",
+    "shear",   "friction", "stroke", "horizontal", "sliding",       "slide",
+    "tangent", "traction", "drag",   "reibkraft",  "reibungskraft", "querkraft"};
 constexpr std::array kAcrossWords{"y", "fy"};
 constexpr std::array kNormalWords{"z",        "fz",      "fn",          "normal",
                                   "vertical", "preload", "axial",       "depth",
@@ -53,7 +54,9 @@ std::vector<std::string> words_of(const std::string& name) {
 template <class Words>
 bool has_any(const std::vector<std::string>& words, const Words& known) {
   return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(known.begin(), known.end(), std::string_view(word)) != known.end();
+    return std::any_of(known.begin(), known.end(), [&](std::string_view one) {
+      return word == one || (one.size() >= kStem && word.starts_with(one));
+    });
   });
 }
 
@@ -144,6 +147,13 @@ void take_lateral_columns(const std::string& file, const TableHeader& header,
                           std::vector<std::string>* notes) {
   const SortedColumns lengths(file, header, kDepth), forces(file, header, kForce);
   LateralColumns& lateral = *columns.lateral;
+  if (columns.depth.column.empty() && lengths.size() == 0) {
+    throw InputError(
+        fmt::format("{}: no column of the header states a unit of length; tell which "
+                    "is the lateral "
+                    "displacement, and its unit",
+                    file));
+  }
   const bool by_names = columns.depth.column.empty() && columns.force.column.empty();
   if (columns.depth.column.empty() && lengths.size() > 1) {
     take_column(lengths.along("lateral displacement"), "lateral displacement",

@@ -182,6 +182,20 @@ TEST(LateralFit, AnInstrumentsErrorIsInTheStiffness) {
               20.0);
 }
 
+TEST(LateralFit, NoiseAndATooSoftFrameTellNoStiffness) {
+  LateralRun run = simulate_loop({}, {.noise_n = 0.01}, 7).run;
+  const FrameCompliance soft = linear_frame(1500.0);
+  const RunFit fit = fit_lateral({run}, &soft).better.runs.front();
+  EXPECT_NE(fit.stiffness_n_per_m.refused.find("frame"), std::string::npos);
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  for (double& force : run.force_n) {
+    force = normal(generator);
+  }
+  const RunFit noise = fit_lateral({run}).better.runs.front();
+  EXPECT_FALSE(noise.friction.refused.empty());
+}
+
 TEST(LateralFit, NeedsARunAndAStraightFrame) {
   EXPECT_THROW((void)fit_lateral({}), InputError);
   FrameCompliance bent = linear_frame(1e4);

@@ -53,6 +53,16 @@ TEST(LateralPath, TheForceResistsWhateverItsSign) {
   EXPECT_FALSE(find_lateral_path(run).force_turned);
 }
 
+// A spring that never slides takes no work in a closed loop.
+TEST(LateralPath, ASpringsForceRisesWithTheDisplacement) {
+  LateralRun run = path_run({.amplitude_m = 0.2e-3, .noise_n = 0.01});
+  EXPECT_FALSE(find_lateral_path(run).force_turned);
+  for (double& force : run.force_n) {
+    force = -force;
+  }
+  EXPECT_TRUE(find_lateral_path(run).force_turned);
+}
+
 TEST(LateralPath, HoldsAreLeftOutButNotTheFirst) {
   LateralRun run = path_run({.cycles = 1.0});
   const auto hold = [&run](std::size_t at) {

@@ -27,8 +27,10 @@ LateralRun plane_run(double noise_n, double size_m, bool on_line = false) {
         on_line
             ? Eigen::Vector2d(0.6, 0.8) * size_m * std::sin(15.0 * t)
             : Eigen::Vector2d(grown * std::sin(13.0 * t), grown * std::sin(17.0 * t));
-    force += K * (next - place);
-    force *= std::min(1.0, 0.5 / std::max(force.norm(), 1e-12));
+    for (int step = 0; step < 8; ++step) {
+      force += K * (next - place) / 8.0;
+      force *= std::min(1.0, 0.5 / std::max(force.norm(), 1e-12));
+    }
     place = next;
     run.displacement_m.push_back(place[0]);
     run.across_m.push_back(place[1]);
