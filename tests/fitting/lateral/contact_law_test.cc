@@ -10,7 +10,7 @@ namespace {
 constexpr ContactLaw kBothLaws[] = {ContactLaw::kSharpSlip, ContactLaw::kPartialSlip};
 
 // k = 2000 N/m, S = 0.5 N: x_p = 0.25 mm, x_s = 0.375 mm.
-ContactCurve contact_curve(ContactLaw law, double instrument_n_per_m = INFINITY) {
+ContactCurve contact_curve(ContactLaw law, double instrument_n_per_m = HUGE_VAL) {
   return {law, 2000.0, 0.5, instrument_n_per_m};
 }
 
@@ -49,7 +49,7 @@ TEST(ContactLaw, AnInstrumentInSeriesAddsItsDeflection) {
 
 TEST(ContactLaw, DerivativesAreThoseOfTheCurve) {
   for (const ContactLaw law : kBothLaws) {
-    for (const double instrument : {INFINITY, 1500.0}) {
+    for (const double instrument : {HUGE_VAL, 1500.0}) {
       const double u = 0.15e-3, step = 1e-6;
       const auto at = [&](double place, double by_k, double by_slip) {
         ContactCurve curve = contact_curve(law, instrument);

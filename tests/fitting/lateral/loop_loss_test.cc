@@ -1,5 +1,7 @@
 #include "fitting/lateral/loop_loss.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tests/fitting/lateral/loop_simulation.h"
@@ -16,7 +18,7 @@ LoopLosses losses_of(const SimulatedContact& contact, const SimulatedMotion& mot
   if (truth != nullptr) {
     *truth = loop.loss_j;
   }
-  return loop_losses(path, solve_loop(path, law, INFINITY));
+  return loop_losses(path, solve_loop(path, law, HUGE_VAL));
 }
 
 // Closed forms: 4 S (X - x_p) = 1.5 mJ and 4 S (X - 4/5 x_s) = 1.4 mJ. Eight pieces
