@@ -11,19 +11,19 @@
 #include <string>
 #include <vector>
 
-#include "fitting/numerics/interval_estimate.h"
 #include "fitting/insertion/needle_events.h"
+#include "fitting/numerics/interval_estimate.h"
 
 namespace palpate {
 
 struct FittedRupture {
   int pass = 0;
-  double measured_m = 0.0;    ///< [m] depth of the needle in the file
+  double measured_m = 0.0;      ///< [m] depth of the needle in the file
   IntervalEstimate depth_m;     ///< [m] the same below the contact point
   IntervalEstimate boundary_m;  ///< [m] of the membrane below the surface at rest
   IntervalEstimate force_n;     ///< [N] of the tip at the rupture
-  double fall_n = 0.0;        ///< [N] sudden fall of the force
-  double deviations = 0.0;    ///< [-] fall over its standard deviation
+  double fall_n = 0.0;          ///< [N] sudden fall of the force
+  double deviations = 0.0;      ///< [-] fall over its standard deviation
 };
 
 /// Of the tissue behind a rupture.
@@ -41,12 +41,12 @@ struct NeedleBaseline {
 
 struct NeedleFit {
   IntervalEstimate coefficient, exponent, contact_m;  ///< [N/m^n], [-], [m]
-  std::vector<FittedRupture> ruptures;              ///< at least one
-  std::vector<FittedLayer> layers;                  ///< one of each rupture
+  std::vector<FittedRupture> ruptures;                ///< at least one
+  std::vector<FittedLayer> layers;                    ///< one of each rupture
   IntervalEstimate static_ratio;                      ///< [-] rho
   IntervalEstimate presliding_n_per_m;                ///< [N/m] k_b
-  std::vector<NeedleBaseline> baselines;            ///< (files)
-  double rms_n = 0.0;                               ///< [N] of the residuals
+  std::vector<NeedleBaseline> baselines;              ///< (files)
+  double rms_n = 0.0;                                 ///< [N] of the residuals
   double free_rms_n = 0.0;  ///< [N] of those before contact; NaN: too few
   bool misses = false;      ///< residuals in the tissue are beyond the noise before it
   bool converged = false;

@@ -15,7 +15,7 @@ namespace palpate {
 
 /// Refused as the cutting force is. @param edge_width_m > 0. @throws InputError else.
 [[nodiscard]] IntervalEstimate toughness_of(const IntervalEstimate& cutting_n,
-                                          double edge_width_m);
+                                            double edge_width_m);
 
 /// One sentence where the toughness is above kToughestPuncture (puncture.h); empty
 /// otherwise.

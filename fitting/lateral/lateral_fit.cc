@@ -221,7 +221,8 @@ void note_what_was_done(const RunSolution& s, RunFit& fit) {
 
 // Samples that stick and yet tell no stiffness: noise, or a frame that is too soft.
 IntervalEstimate no_stiffness(const RunSolution& s) {
-  if (s.solved.samples.sticks >= kLoopPartMin && s.solved.endless) {
+  const bool untold = s.solved.endless || !(s.covariance(0, 0) < kStiffVariance);
+  if (s.solved.samples.sticks >= kLoopPartMin && untold) {
     return refused_estimate(
         std::isfinite(s.solved.instrument_n_per_m)
             ? "the frame as stated deflects as far as contact and frame together"

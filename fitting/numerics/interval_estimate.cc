@@ -48,8 +48,8 @@ double half_interval_95(double sd, double half) {
 }
 
 IntervalEstimate estimate(const std::function<double(const Eigen::VectorXd&)>& quantity,
-                        const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance,
-                        double half) {
+                          const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance,
+                          double half) {
   if (!covariance.allFinite()) {
     return refused_estimate(kNotDetermined);
   }
