@@ -294,12 +294,22 @@ std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
   for (const std::string& name : puncture.material) {
     add_text(name + "\n");
   }
-  add(digest, std::vector{puncture.edge_width_m, puncture.shaft_n_per_m,
-                          puncture.lateral_n_per_m2, puncture.mouth_m});
+  const auto add_number = [&digest](const char* /*name*/, double number) {
+    add(digest, std::vector{number});
+  };
+  for_each_puncture_number(puncture, add_number);
   content::for_each_puncture_dataset(
       puncture, [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
         add(digest, values);
       });
+  // Files that lack these keep their digest.
+  for_each_optional_puncture_number(puncture, [&](const char* name, double number) {
+    if (number != 0.0) {
+      add_text(std::string(name) + "\n");
+      add_number(name, number);
+    }
+  });
+  add(digest, puncture.membrane_j);
   return bytes_of(digest);
 }
 
