@@ -209,8 +209,7 @@ Json to_json(const DatabaseIndex& index) {
 void print(const ToolSummary& tool) {
   fmt::print("tool       {}: {}, friction {:.3g}, presliding {:.3g} mm\n",
              printable(tool.tool.name), describe_tool(tool.tool, tool.puncture),
-             tool.tool.friction,
-             1e3 * tool.tool.presliding_m);
+             tool.tool.friction, 1e3 * tool.tool.presliding_m);
   fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
              tool.responses, tool.simulated, tool.interpolated, tool.measured);
   fmt::print(

@@ -137,7 +137,8 @@ std::string tool_rows(const ResponseTable& table) {
   std::string text =
       row(table.tool.name.empty() ? "tool" : markup_escaped(table.tool.name),
           fmt::format("{}, friction {:.3g}, presliding {:.3g} mm",
-                      describe_tool(table.tool, table.puncture), table.tool.friction, 1e3 * table.tool.presliding_m));
+                      describe_tool(table.tool, table.puncture), table.tool.friction,
+                      1e3 * table.tool.presliding_m));
   text += row("responses", fmt::format("{}: {} simulated, {} interpolated, {} measured",
                                        all.responses, all.simulated, all.interpolated,
                                        all.measured));

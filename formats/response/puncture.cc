@@ -138,8 +138,7 @@ bool same(const Puncture& a, const Puncture& b) {
          same_numbers(a.friction_n_per_m, b.friction_n_per_m) &&
          same_numbers(a.static_ratio, b.static_ratio) &&
          same_numbers(a.toughness_j_per_m2, b.toughness_j_per_m2) &&
-         same_numbers(a.membrane_j, b.membrane_j) &&
-         numbers_of(a) == numbers_of(b) &&
+         same_numbers(a.membrane_j, b.membrane_j) && numbers_of(a) == numbers_of(b) &&
          same_numbers(a.rupture, b.rupture) &&
          same_shape(a.layer_depth_m, b.layer_depth_m) &&
          same_numbers(flat_span(a.layer_depth_m), flat_span(b.layer_depth_m)) &&
@@ -182,9 +181,10 @@ std::string doubts_of_depth(const ToolShape& tool, const Puncture& puncture,
   if (is_its_ball(tool, puncture) || !(radii > kComparedRadii)) {
     return {};
   }
-  return fmt::format("its curve goes {:.3g} radii deep, {:.3g} beyond the {:.0f} down "
-                     "to which such curves were compared with presses of a tip",
-                     radii, radii - kComparedRadii, kComparedRadii);
+  return fmt::format(
+      "its curve goes {:.3g} radii deep, {:.3g} beyond the {:.0f} down "
+      "to which such curves were compared with presses of a tip",
+      radii, radii - kComparedRadii, kComparedRadii);
 }
 
 std::string describe(const Puncture& puncture) {

@@ -45,8 +45,8 @@ struct Puncture {
   double shaft_n_per_m = 0.0;     ///< [N/m] > 0 along the shaft before it slips
   double lateral_n_per_m2 = 0.0;  ///< [N/m^2] >= 0 across, per inserted length
   double mouth_m = 0.0;           ///< [m] > 0 from a channel's axis: found again there
-  double radius_m = 0.0;       ///< [m] >= 0 of the shaft; 0: not known
-  double tip_angle_rad = 0.0;  ///< [rad] [0, pi) full; 0: a hemisphere, or not known
+  double radius_m = 0.0;          ///< [m] >= 0 of the shaft; 0: not known
+  double tip_angle_rad = 0.0;     ///< [rad] [0, pi) full; 0: a hemisphere, or not known
   /// [m] >= 0 of the shaft in the body, at most, below any node; 0: not known.
   double insertable_m = 0.0;
   // Of the nodes: a row for all alike, or (n).

@@ -19,9 +19,8 @@ constexpr std::string_view kToolKeys[] = {
     "centre_m",     "compliance", "edge_width_m", "press_radius_m", "puncture",
     "tip_angle_deg"};
 constexpr std::string_view kNeedle = "needle";
-constexpr std::string_view kNeedleKeys[] = {"radius_m", "tip_angle_deg",
-                                            "edge_width_m", "press_radius_m",
-                                            "puncture"};
+constexpr std::string_view kNeedleKeys[] = {"radius_m", "tip_angle_deg", "edge_width_m",
+                                            "press_radius_m", "puncture"};
 constexpr std::string_view kSpheres = "spheres";
 constexpr std::string_view kShapes[] = {"sphere",  "spheres", "flat-punch", "cone",
                                         "capsule", "mesh",    kNeedle};

@@ -167,8 +167,8 @@ void set_springs(const BodySource& body, const SceneNeedle& needle, Puncture& al
 // Length of shaft that a node's axis has room for.
 double insertable_m(const Puncture& all, const NodeLayers& node, Eigen::Index v) {
   for (std::size_t k = 0; k < node.depth_m.size(); ++k) {
-    const auto m = static_cast<std::size_t>(
-        all.layer_material(v, static_cast<Eigen::Index>(k)));
+    const auto m =
+        static_cast<std::size_t>(all.layer_material(v, static_cast<Eigen::Index>(k)));
     if (std::isinf(all.cutting_n[m])) {
       return node.depth_m[k];
     }
@@ -201,8 +201,7 @@ Puncture punctured(const Scene& scene, const BodySource& body,
         nodes.back().depth_m.size(), static_cast<std::size_t>(kMostPunctureLayers)));
     most = std::max(most, nodes.back().depth_m.size());
   }
-  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most),
-                                kUnknown);
+  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most), kUnknown);
   all.layer_material.setConstant(n, static_cast<Eigen::Index>(most), -1);
   std::size_t by_energy = 0;
   for (Eigen::Index v = 0; v < n; ++v) {

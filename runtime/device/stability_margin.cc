@@ -103,9 +103,10 @@ std::string why_not_renderable(const RenderedStiffness& stiffness,
   }
   const std::string what =
       k == stiffness.lateral_n_per_m
-          ? fmt::format("the stiffness {:.4g} N/m across a needle's shaft, inserted as "
-                        "far as the body has room,",
-                        k)
+          ? fmt::format(
+                "the stiffness {:.4g} N/m across a needle's shaft, inserted as "
+                "far as the body has room,",
+                k)
       : k == stiffness.friction_n_per_m
           ? fmt::format("the stiffness {:.4g} N/m of friction before sliding", k)
           : fmt::format("the body's largest stiffness {:.4g} N/m (node {})", k,

@@ -27,8 +27,8 @@ struct RenderedStiffness {
   double border_n_per_m = 0.0;
 
   /// A shaft acts along the tip's curve. Friction and the sideways spring act across
-  /// it. So the larger bounds the Jacobian of the force. In a channel the surface has no
-  /// friction across the axis (needle_step.h): the two do not add up.
+  /// it. So the larger bounds the Jacobian of the force. In a channel the surface has
+  /// no friction across the axis (needle_step.h): the two do not add up.
   [[nodiscard]] double largest_n_per_m() const noexcept;
 };
 

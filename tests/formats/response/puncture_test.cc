@@ -51,11 +51,12 @@ TEST(Puncture, DoubtsCurvesThatGoDeeperThanWasCompared) {
   const Puncture puncture = known_puncture(1);
   const double compared_m = kComparedRadii * puncture.radius_m;
   EXPECT_EQ(doubts_of_depth(ball, puncture, 0.999 * compared_m), "");
-  EXPECT_EQ(doubts_of_depth(ball, puncture, compared_m + 5.0 * puncture.radius_m),
-            "its curve goes 9 radii deep, 5 beyond the 4 down to which such curves were "
-            "compared with presses of a tip");
+  EXPECT_EQ(
+      doubts_of_depth(ball, puncture, compared_m + 5.0 * puncture.radius_m),
+      "its curve goes 9 radii deep, 5 beyond the 4 down to which such curves were "
+      "compared with presses of a tip");
   EXPECT_EQ(doubts_of_depth(ball, some_puncture(1), 1.0), "");  // not known
-  Puncture own = puncture;  // it was pressed itself
+  Puncture own = puncture;                                      // it was pressed itself
   own.tip_angle_rad = 0.0;
   EXPECT_EQ(doubts_of_depth({.name = "n", .radius_m = 7.5e-4}, own, 1.0), "");
 }

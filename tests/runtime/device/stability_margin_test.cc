@@ -81,8 +81,8 @@ TEST(RenderedStiffness, IsThatAcrossAShaftWhereItIsLarger) {
   const RenderedStiffness stiffness = rendered_stiffness(database.tools[0], 3.0);
   EXPECT_NEAR(stiffness.lateral_n_per_m, 360.0, 1e-9);
   EXPECT_EQ(stiffness.largest_n_per_m(), stiffness.lateral_n_per_m);
-  const std::string why = why_not_renderable(stiffness, stability_bounds(kDevice, 1e-3),
-                                             kDevice, 1e-3);
+  const std::string why =
+      why_not_renderable(stiffness, stability_bounds(kDevice, 1e-3), kDevice, 1e-3);
   EXPECT_NE(why.find("360 N/m across a needle's shaft, inserted as far as the body has "
                      "room, exceeds 333.3 N/m"),
             std::string::npos)

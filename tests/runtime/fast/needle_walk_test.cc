@@ -55,9 +55,9 @@ class WanderingTip {
   explicit WanderingTip(std::uint32_t seed) : random_(seed) {}
 
   Eigen::Vector3d after(double tick_s) {
-    v_ = 0.995 * v_ + 0.1 * std::sqrt(1 - 0.995 * 0.995) *
-                          Eigen::Vector3d(noise_(random_), noise_(random_),
-                                          3.0 * noise_(random_));
+    v_ = 0.995 * v_ +
+         0.1 * std::sqrt(1 - 0.995 * 0.995) *
+             Eigen::Vector3d(noise_(random_), noise_(random_), 3.0 * noise_(random_));
     const Eigen::Vector3d low(0.012, 0.012, -0.035), high(0.028, 0.028, 0.005);
     for (int i = 0; i < 3; ++i) {
       if ((x_(i) < low(i) && v_(i) < 0.0) || (x_(i) > high(i) && v_(i) > 0.0)) {
@@ -89,7 +89,7 @@ Dissipated dissipated(const FastState& state) {
 }
 
 // Largest and smallest of all ticks of all bodies [J].
-struct WalkAccount {
+struct NeedleAccount {
   double open_j = 0.0;
   double created_j = 0.0;
   double lowest_work_j = 0.0;
@@ -98,19 +98,19 @@ struct WalkAccount {
   Dissipated dissipated = {};
 };
 
-void book(const Dissipated& before, const FastState& state, WalkAccount& all) {
+void book(const Dissipated& before, const FastState& state, NeedleAccount& all) {
   const Dissipated now = dissipated(state);
-  all.shrunk_j = std::max(
-      {all.shrunk_j, before.crack_j - now.crack_j, before.released_j - now.released_j,
-       before.shaft_j - now.shaft_j, before.all_j - now.all_j});
+  all.shrunk_j = std::max({all.shrunk_j, before.crack_j - now.crack_j,
+                           before.released_j - now.released_j,
+                           before.shaft_j - now.shaft_j, before.all_j - now.all_j});
   all.open_j = std::max(all.open_j, std::abs(imbalance_j(state.ledger)));
   all.created_j = std::max(all.created_j, state.ledger.created_j);
   all.lowest_work_j = std::min(all.lowest_work_j, state.ledger.work_j);
 }
 
 // A fresh body.
-void walk(const WalkCase& c, const BenchBody& body, std::uint32_t seed,
-          WalkAccount& all) {
+void walk_needle(const WalkCase& c, const BenchBody& body, std::uint32_t seed,
+                 NeedleAccount& all) {
   PunctureRules rules = layered_rules();
   if (c.energies) {
     rules.material[1].membrane_j = 5e-4;
@@ -148,20 +148,22 @@ void walk(const WalkCase& c, const BenchBody& body, std::uint32_t seed,
 // sums of some 10 J, 50 000 times rounded.
 TEST_P(NeedleWalk, CreatesNoEnergy) {
   const BenchBody body = walked_body(GetParam());
-  const std::int64_t bodies = std::max<std::int64_t>(1, walk_ticks(200000) / kBodyTicks);
-  WalkAccount all;
+  const std::int64_t bodies =
+      std::max<std::int64_t>(1, walk_ticks(200000) / kBodyTicks);
+  NeedleAccount all;
   for (std::int64_t n = 0; n < bodies && !HasFatalFailure(); ++n) {
-    walk(GetParam(), body, static_cast<std::uint32_t>(7 + n), all);
+    walk_needle(GetParam(), body, static_cast<std::uint32_t>(7 + n), all);
   }
   RecordProperty("bodies", static_cast<int>(bodies));
-  RecordProperty("account", fmt::format("open {:.2g} J, created {:.2g} J, lowest work "
-                                        "{:.2g} J, shrunk {:.2g} J, {} membranes; crack "
-                                        "{:.3g} J, released {:.3g} J, shaft {:.3g} J of "
-                                        "{:.3g} J dissipated",
-                                        all.open_j, all.created_j, all.lowest_work_j,
-                                        all.shrunk_j, all.broken, all.dissipated.crack_j,
-                                        all.dissipated.released_j,
-                                        all.dissipated.shaft_j, all.dissipated.all_j));
+  RecordProperty(
+      "account",
+      fmt::format("open {:.2g} J, created {:.2g} J, lowest work "
+                  "{:.2g} J, shrunk {:.2g} J, {} membranes; crack "
+                  "{:.3g} J, released {:.3g} J, shaft {:.3g} J of "
+                  "{:.3g} J dissipated",
+                  all.open_j, all.created_j, all.lowest_work_j, all.shrunk_j,
+                  all.broken, all.dissipated.crack_j, all.dissipated.released_j,
+                  all.dissipated.shaft_j, all.dissipated.all_j));
   EXPECT_LE(all.open_j, 1e-12);
   EXPECT_LE(all.created_j, 1e-12);
   EXPECT_EQ(all.lowest_work_j, 0.0);
