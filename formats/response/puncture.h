@@ -102,8 +102,8 @@ void for_each_optional_puncture_number(Rows& puncture, const With& with) {
 
 /// [-] Depth over radius beyond which no needle's curve that was made of a larger
 /// ball's was compared (precompute/press/needle_curve.h). The force of a soft solid
-/// then grows with the square of the depth (Shojaeifard and Bacca 2025), that of the
-/// linear half-space with the depth.
+/// then grows with the square of the depth (Shojaeifard and Bacca 2025). That of the
+/// linear half-space grows with the depth.
 inline constexpr double kComparedRadii = 4.0;
 
 /// How deep such a curve goes beyond that, in a sentence's end; else empty.

@@ -21,7 +21,7 @@ namespace palpate {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 // A layer thinner than this is none [m].
 constexpr double kThinnestM = 1e-5;
 // Length of shaft whose grip stands for the spring along it [m].
@@ -122,11 +122,11 @@ void add_material(const SceneMaterial& material, const SceneNeedle& needle,
   all.cutting_n.push_back(cutting_n);
   all.membrane_n.push_back(puncture ? puncture->membrane_n.value_or(cutting_n)
                                     : kInfinite);
-  all.membrane_j.push_back(puncture ? puncture->membrane_j.value_or(kUnknown)
-                                    : kUnknown);
+  all.membrane_j.push_back(puncture ? puncture->membrane_j.value_or(kNotKnown)
+                                    : kNotKnown);
   all.friction_n_per_m.push_back(puncture ? friction_n_per_m(*puncture, needle) : 0.0);
   all.static_ratio.push_back(puncture ? puncture->static_ratio : 1.0);
-  all.toughness_j_per_m2.push_back(puncture ? puncture->toughness_j_per_m2 : kUnknown);
+  all.toughness_j_per_m2.push_back(puncture ? puncture->toughness_j_per_m2 : kNotKnown);
 }
 
 // Row of a region's material, added if it is new.
@@ -201,7 +201,7 @@ Puncture punctured(const Scene& scene, const BodySource& body,
         nodes.back().depth_m.size(), static_cast<std::size_t>(kMostPunctureLayers)));
     most = std::max(most, nodes.back().depth_m.size());
   }
-  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most), kUnknown);
+  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most), kNotKnown);
   all.layer_material.setConstant(n, static_cast<Eigen::Index>(most), -1);
   std::size_t by_energy = 0;
   for (Eigen::Index v = 0; v < n; ++v) {

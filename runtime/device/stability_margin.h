@@ -19,8 +19,8 @@ struct RenderedStiffness {
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
   double shaft_n_per_m = 0.0;  ///< [N/m] along a needle's shaft in its channel
-  /// [N/m] across the shaft, k' l with all of it inserted that the body has room for;
-  /// 0: the database does not know how much that is.
+  /// [N/m] k' l across the shaft, l the longest that the body has room for. 0: the
+  /// database does not know l.
   double lateral_n_per_m = 0.0;
   /// [N/m] at the border of the reach, where the field falls to nothing within an
   /// element; 0: not known. Stated, not demanded.
