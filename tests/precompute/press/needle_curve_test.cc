@@ -124,7 +124,7 @@ TEST(Sharpen, AConeDeepensABallOfItsOwnRadius) {
   NodeResponse ball;
   for (int k = 0; k <= 10; ++k) {
     ball.depth_m.push_back(3e-4 * k);
-    ball.force_n.push_back(0.01 * k * k);
+    ball.force_n.push_back(5e-4 * k * k);
   }
   NodeResponse needle = ball;
   const NeedleTip tip{.radius_m = 0.001, .half_angle_rad = 0.26};
