@@ -1,4 +1,4 @@
-// palpate-db export: a database as VTU, CSV or JSON.
+// palpate-db export: a database as VTU, CSV or JSON, or its pressure laws.
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -12,6 +12,7 @@
 #include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/report/database_export.h"
+#include "formats/report/pressure_export.h"
 
 namespace palpate {
 namespace {
@@ -20,13 +21,22 @@ struct ExportFlags {
   std::string file;
   std::string output;
   std::string tool;
+  bool pressure_law = false;
   bool json = false;
 };
 
 using Export = std::string (*)(const ResponseDatabase&, const ResponseTable&);
 
-Export export_of(const std::string& output) {
+Export export_of(const std::string& output, bool pressure_law) {
   const std::string extension = std::filesystem::path(output).extension().string();
+  if (pressure_law) {
+    if (extension == ".csv" || extension == ".json") {
+      return extension == ".csv" ? pressure_csv : pressure_json;
+    }
+    throw InputError(
+        fmt::format("{}: the extension is {:?}, must be .csv or .json of pressure laws",
+                    output, extension));
+  }
   if (extension == ".vtu") {
     return to_vtu;
   }
@@ -41,7 +51,7 @@ Export export_of(const std::string& output) {
 }
 
 void run_export(const ExportFlags& flags) {
-  const Export text_of = export_of(flags.output);
+  const Export text_of = export_of(flags.output, flags.pressure_law);
   const ResponseDatabase database = read_database(flags.file);
   const std::string text = text_of(database, find_tool(database, flags.tool));
   AtomicFile file(flags.output);
@@ -68,6 +78,9 @@ void add_export_command(Command app) {
   command.add_option("-o,--output", flags->output, "File to write: .vtu, .csv or .json")
       .required();
   command.add_option("--tool", flags->tool, "Tool, if there are several");
+  command.add_flag(
+      "--pressure-law", flags->pressure_law,
+      "Write pressure by depth of a sphere's presses instead: .csv or .json");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     run_export(*flags);

@@ -168,6 +168,7 @@ Json to_json(const ToolSummary& tool) {
           {"yielding", yielding_json(tool)},
           {"contacts", contacts_json(tool.tool)},
           {"compliance", compliance_json(tool.compliance)},
+          {"contact", tool.contact},
           {"puncture", puncture_json(tool)}};
 }
 
@@ -239,6 +240,9 @@ void print(const ToolSummary& tool) {
   }
   if (!tool.compliance.empty()) {
     fmt::print("coupling   {}\n", describe(tool.compliance));
+  }
+  if (!tool.contact.empty()) {
+    fmt::print("contact    {}\n", tool.contact);
   }
   if (!tool.puncture.empty()) {
     fmt::print("puncture   {}\n", printable(describe_puncture(tool)));

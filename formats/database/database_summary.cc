@@ -61,6 +61,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.compliance.value.resize(0, 0);
   summary.compliance.mode.resize(0, table.compliance.mode.cols());
   summary.puncture = table.puncture;
+  summary.contact = describe(table.contact);
   summary.accuracy = table.accuracy;
   return summary;
 }
@@ -106,6 +107,11 @@ ToolSummary summarise(const ToolIndex& tool) {
   }
   summary.compliance = tool.compliance;
   summary.puncture = tool.puncture;
+  summary.contact = tool.has_pressure ? "pressure" : "";
+  if (tool.has_lateral) {
+    summary.contact +=
+        summary.contact.empty() ? "lateral stiffness" : ", lateral stiffness";
+  }
   summary.accuracy = tool.accuracy;
   return summary;
 }

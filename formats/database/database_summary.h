@@ -36,6 +36,7 @@ struct ToolSummary {
   std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
   std::string yielding = {};  ///< how responses yield, one line; empty: they do not
   ComplianceTable compliance = {};  ///< without rows; empty: contacts do not couple
+  std::string contact = {};         ///< describe() of its contact table
   Puncture puncture = {};           ///< with its rows; empty: nothing is punctured
   AccuracyRecord accuracy;
 };

@@ -19,17 +19,6 @@ bool same_numbers(std::span<const double> a, std::span<const double> b) {
   });
 }
 
-// Of the tool.
-std::vector<double> numbers_of(const Puncture& puncture) {
-  std::vector<double> numbers;
-  const auto add = [&](const char* /*name*/, double number) {
-    numbers.push_back(number);
-  };
-  for_each_puncture_number(puncture, add);
-  for_each_optional_puncture_number(puncture, add);
-  return numbers;
-}
-
 template <typename Values>
 auto flat_span(const Values& values) {
   return std::span(values.data(), static_cast<std::size_t>(values.size()));
@@ -99,6 +88,16 @@ void add_doubt(std::string& doubts, const std::string& doubt) {
 }
 
 }  // namespace
+
+std::vector<double> numbers_of(const Puncture& puncture) {
+  std::vector<double> numbers;
+  const auto add = [&](const char* /*name*/, double number) {
+    numbers.push_back(number);
+  };
+  for_each_puncture_number(puncture, add);
+  for_each_optional_puncture_number(puncture, add);
+  return numbers;
+}
 
 double membrane_j_of(const Puncture& puncture, std::size_t material) {
   return puncture.membrane_j.empty() ? std::numeric_limits<double>::quiet_NaN()

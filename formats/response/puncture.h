@@ -74,6 +74,9 @@ void for_each_optional_puncture_number(Rows& puncture, const With& with) {
   with("insertable_m", puncture.insertable_m);
 }
 
+/// The numbers of both, in their order.
+[[nodiscard]] std::vector<double> numbers_of(const Puncture& puncture);
+
 /// [J] that breaks a material's membrane below the surface; NaN: membrane_n does.
 [[nodiscard]] double membrane_j_of(const Puncture& puncture, std::size_t material);
 

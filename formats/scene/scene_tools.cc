@@ -116,6 +116,8 @@ ToolShape read_tool(const SceneSection& section) {
   tool.sticking = section.choice_or("frictionless", "contact", kContacts) == "sticking";
   tool.friction = section.number_or(0.0, "friction", kFriction);
   tool.presliding_m = section.number_or(0.0, "presliding_m", kNotNegative);
+  tool.presliding_computed =
+      tool.friction > 0.0 && section.find("presliding_m") == nullptr;
   return tool;
 }
 

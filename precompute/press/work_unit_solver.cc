@@ -163,6 +163,7 @@ void sharpen_needles(const Scene& scene, const BodySource& body,
       sharpen(tissue_at(body, node.vertex),
               {needle->radius_m, 0.5 * needle->tip_angle_rad}, needle->press_radius_m,
               is_nonlinear(scene, body), node.response);
+      node.response.contact = {};  // it was the ball's
       fail_if_broken(node);
     }
   }
