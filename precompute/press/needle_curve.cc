@@ -65,7 +65,7 @@ double linear_cone_depth_m(const TipTissue& tissue, const NeedleTip& tip,
 }
 
 void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
-             bool nonlinear, NodeResponse& response) {
+             NodeResponse& response) {
   if (response.depth_m.empty() ||
       (tip.radius_m == ball_m && tip.half_angle_rad == 0.0)) {
     return;
@@ -86,9 +86,7 @@ void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
   if (response.tilt) {
     response.tilt->by_depth_per_m *= ball_end_m / response.depth_m.back();
   }
-  response.error_relative =
-      std::hypot(response.error_relative,
-                 (nonlinear ? kNonlinearSharpenError : kSharpenError) * part);
+  response.error_relative = std::hypot(response.error_relative, kSharpenError * part);
 }
 
 std::vector<std::string> needle_notes(const Scene& scene) {
