@@ -310,12 +310,16 @@ std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
   for (const std::string& name : puncture.material) {
     add_text(name + "\n");
   }
-  add(digest, std::vector{puncture.edge_width_m, puncture.shaft_n_per_m,
-                          puncture.lateral_n_per_m2, puncture.mouth_m});
+  std::vector<double> numbers = numbers_of(puncture);
+  while (!numbers.empty() && numbers.back() == 0.0) {  // as in files that lack it
+    numbers.pop_back();
+  }
+  add(digest, numbers);
   content::for_each_puncture_dataset(
       puncture, [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
         add(digest, values);
       });
+  add(digest, puncture.membrane_j);
   return bytes_of(digest);
 }
 
