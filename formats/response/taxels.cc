@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "formats/response/tangent_frame.h"
 #include "formats/response/tool_support.h"
 
@@ -15,8 +16,8 @@ namespace {
 
 constexpr double kPointsToRadius = 100.0;
 
-void check(const ResponseTable& table, const Eigen::Vector3d& position_m,
-           const TaxelGrid& grid) {
+void check_taxels(const ResponseTable& table, const Eigen::Vector3d& position_m,
+                  const TaxelGrid& grid) {
   if (!table.contact.has_pressure()) {
     throw InputError(fmt::format(
         "tool {:?} has no pressures; build the database again with this version",
@@ -101,7 +102,7 @@ void lay_out(const TaxelGrid& grid, Taxels& taxels) {
       if (!(rho2 < 1.0)) {
         continue;
       }
-      const double p = std::pow(1.0 - rho2, whole.exponent);
+      const double p = reproducible::pow(1.0 - rho2, whole.exponent);
       sum += p;
       const double column = taxel_of(at_m.x(), grid.columns);
       const double row = taxel_of(at_m.y(), grid.rows);
@@ -130,7 +131,7 @@ Eigen::Vector3d pressed_position_m(const SurfaceMesh& mesh, const Points& normal
 Taxels taxels_at(const SurfaceMesh& mesh, const Points& normal,
                  const SurfaceSearch& search, const ResponseTable& table,
                  const Eigen::Vector3d& position_m, const TaxelGrid& grid) {
-  check(table, position_m, grid);
+  check_taxels(table, position_m, grid);
   Taxels taxels{.pressure_pa = Eigen::MatrixXd::Zero(grid.rows, grid.columns),
                 .contact = {}};
   const SurfacePoint foot = search.nearest(position_m);
