@@ -7,6 +7,7 @@
 
 #include "formats/base/error.h"
 #include "formats/database/compliance_rules.h"
+#include "formats/database/contact_rules.h"
 #include "formats/database/database_check_optional.h"
 #include "formats/database/database_layout.h"
 #include "formats/database/database_rules.h"
@@ -123,6 +124,8 @@ void check_optional_index(const Hdf5Reader& file, const std::string& tool_group,
               file.has(tool_group + "/tilt") ? digests : 0);
   expect_rows(file, group + "/compliance_sha256", tool.compliance_sha256.size(),
               tool.compliance.empty() ? 0 : digests);
+  expect_rows(file, group + "/contact_sha256", tool.contact_sha256.size(),
+              tool.has_pressure || tool.has_lateral ? digests : 0);
   for (const auto* values : {&tool.share_min, &tool.share_max}) {
     expect_rows(file, group + "/share_min, share_max", values->size(),
                 own_shares ? chunks * (tool.viscoelasticity.terms() + 1) : 0);
@@ -196,22 +199,6 @@ void read_compliance_head(Hdf5Reader& file, const DatabaseIndex& index,
   }
 }
 
-void read_compliance_rows(const Hdf5Reader& file, const std::string& group,
-                          std::int64_t begin, std::int64_t count,
-                          const ComplianceTable& head, ComplianceTable& part) {
-  part = head;
-  const auto rows = [&](const char* name, const char* units, RowsOf<float>& values) {
-    const std::int64_t columns = values.cols();
-    if (columns > 0) {
-      values.resize(count, columns);
-      file.rows(group + name, units, Hdf5Type::kFloat32, begin, count, columns,
-                values.data());
-    }
-  };
-  rows("/value", content::kComplianceUnits, part.value);
-  rows("/mode", content::kModeUnits, part.mode);
-}
-
 void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk,
             const std::vector<std::uint8_t>& found, const std::string& what) {
   if (!std::equal(found.begin(), found.end(), stored.row(chunk).data())) {
@@ -265,6 +252,8 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     read_viscoelasticity_head(file, "/tools/" + entry.tool.name, nodes, entry);
     read_compliance_head(file, index, entry);
     read_puncture(file, nodes, entry);
+    entry.has_pressure = file.has("/tools/" + entry.tool.name + "/pressure");
+    entry.has_lateral = file.has("/tools/" + entry.tool.name + "/lateral");
   }
   check_index(file, index);
   if (file.remark("/index", "index_sha256") != index_digest(index)) {
@@ -366,6 +355,14 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
       check_shares(entry, chunk, part.viscoelasticity);
     });
   }
+  if (entry.contact_sha256.rows() > 0) {
+    content::read_contact_rows(file_->reader, group, node, part.nodes(), part.contact);
+    verify(file_->reader, entry.contact_sha256, chunk, contact_digest(part.contact),
+           group + "/pressure, lateral");
+    by_the_rules(file_->reader, [&] {
+      check_contact(group, part.contact, part.nodes(), node);
+    });
+  }
   part.compliance = compliance(tool, chunk);
   part.puncture = rows_of(entry.puncture, node, part.nodes());
   return part;
@@ -383,7 +380,8 @@ ComplianceTable ChunkReader::compliance(std::size_t tool, std::int64_t chunk) co
   const std::int64_t nodes = index_.node_begin.at(k + 1) - node;
   const std::string group = "/tools/" + entry.tool.name;
   const std::string path = content::compliance_group(group);
-  read_compliance_rows(file_->reader, path, node, nodes, entry.compliance, part);
+  content::read_compliance_rows(file_->reader, path, node, nodes, entry.compliance,
+                                part);
   verify(file_->reader, entry.compliance_sha256, chunk, compliance_digest(part), path);
   by_the_rules(file_->reader, [&] {
     check_compliance_rows(group, part, nodes, node);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/database/compliance_rules.h"
+#include "formats/database/contact_rules.h"
 #include "formats/database/format_error.h"
 #include "formats/database/puncture_rules.h"
 #include "formats/database/viscoelasticity_rules.h"
@@ -281,6 +282,7 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   check_compliance_head(group, table.compliance);
   check_compliance_rows(group, table.compliance, table.nodes());
   check_puncture(group, table.puncture, table.nodes());
+  check_contact(group, table.contact, table.nodes());
   if (!table.relaxation.empty() && !table.viscoelasticity.empty()) {
     fail("{}/relaxation has g_1 and g, must have one of them", group);
   }

@@ -168,6 +168,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   }
   tool.sha256.resize(index.chunks(), kSha256Bytes);
   tool.tilt_sha256.resize(table.tilt.rows() > 0 ? index.chunks() : 0, kSha256Bytes);
+  tool.contact_sha256.resize(table.contact.empty() ? 0 : index.chunks(), kSha256Bytes);
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
     const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
     const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
@@ -185,6 +186,9 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     if (table.tilt.rows() > 0) {
       set_digest(tool.tilt_sha256, k, tilt_digest(part));
     }
+    if (!table.contact.empty()) {
+      set_digest(tool.contact_sha256, k, contact_digest(part.contact));
+    }
   }
   tool.sample_begin.push_back(table.sample_begin.back());
   if (has_node_rows(table.viscoelasticity)) {
@@ -199,6 +203,8 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   set_share_extents(table.viscoelasticity, index, tool);
   set_compliance(table.compliance, index, tool);
   tool.puncture = table.puncture;
+  tool.has_pressure = table.contact.has_pressure();
+  tool.has_lateral = table.contact.has_lateral();
   if (!tool.puncture.empty()) {
     tool.puncture_sha256.resize(1, kSha256Bytes);
     set_digest(tool.puncture_sha256, 0, puncture_digest(tool.puncture));
@@ -285,6 +291,16 @@ std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
   return bytes_of(digest);
 }
 
+std::vector<std::uint8_t> contact_digest(const ContactTable& chunk) {
+  Sha256 digest;
+  for_each_contact_dataset(
+      chunk, [&](const char* /*name*/, const char* /*units*/, Eigen::Index /*columns*/,
+                 const RowsOf<float>& rows) {
+        add(digest, rows);
+      });
+  return bytes_of(digest);
+}
+
 std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
   Sha256 digest;
   const auto add_text = [&digest](const std::string& text) {
@@ -294,12 +310,16 @@ std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
   for (const std::string& name : puncture.material) {
     add_text(name + "\n");
   }
-  add(digest, std::vector{puncture.edge_width_m, puncture.shaft_n_per_m,
-                          puncture.lateral_n_per_m2, puncture.mouth_m});
+  std::vector<double> numbers = numbers_of(puncture);
+  while (!numbers.empty() && numbers.back() == 0.0) {  // as in files that lack it
+    numbers.pop_back();
+  }
+  add(digest, numbers);
   content::for_each_puncture_dataset(
       puncture, [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
         add(digest, values);
       });
+  add(digest, puncture.membrane_j);
   return bytes_of(digest);
 }
 

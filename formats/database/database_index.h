@@ -42,9 +42,12 @@ struct ToolIndex {
   Sha256Rows memory_sha256;    ///< (c x 32) memory_digest(); none without rows of nodes
   ComplianceTable compliance;  ///< as the table's, without rows of nodes
   Puncture puncture;           ///< as the table's, with its rows of nodes
+  bool has_pressure = false;   ///< nodes have rows of contact_table.h's pressure
+  bool has_lateral = false;    ///< and of its lateral stiffness
   Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
   Sha256Rows puncture_sha256;    ///< (1 x 32) puncture_digest(); none without puncture
+  Sha256Rows contact_sha256;     ///< (c x 32) contact_digest(); none without contact
 };
 
 /// Chunks of neighbouring nodes. Nodes and triangles are counted as the file orders
@@ -94,6 +97,9 @@ struct BodyChunk {
 
 /// The same of the rows of its compliance table.
 [[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);
+
+/// The same of the rows of its pressures and lateral stiffnesses.
+[[nodiscard]] std::vector<std::uint8_t> contact_digest(const ContactTable& chunk);
 
 /// The same of all that a file says of a tool's puncture, rows of all nodes too.
 [[nodiscard]] std::vector<std::uint8_t> puncture_digest(const Puncture& puncture);

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 
 #include "formats/base/lines.h"
+#include "formats/database/compliance_layout.h"
+#include "formats/database/contact_layout.h"
 #include "formats/database/puncture_layout.h"
 #include "formats/database/response_database.h"
 #include "formats/database/select_nodes.h"
@@ -22,16 +24,6 @@
 namespace palpate::content {
 
 constexpr const char* kFormatName = "palpate-response-database";
-constexpr const char* kComplianceUnits = "m2 N-1";
-constexpr const char* kModeUnits = "m0.5 N-0.5";
-
-template <typename File, typename Values>
-void exchange_if_any(File& file, const std::string& path, const char* units,
-                     Values& values) {
-  if (file.optional_dataset(path, values.size() > 0)) {
-    file.dataset(path, units, values);
-  }
-}
 
 // Texts of one line each, as one text.
 template <typename File, typename Lines>
@@ -211,34 +203,6 @@ void exchange_viscoelasticity(File& file, const std::string& tool,
   }
 }
 
-// Of how contacts couple what is the same for all nodes.
-template <typename File, typename Table>
-void exchange_compliance_head(File& file, const std::string& group, Table& table) {
-  std::int64_t convex = table.convex ? 1 : 0;
-  file.attribute(group, "convex", convex);
-  exchange_number(file, group, "error_relative", table.error_relative);
-  exchange_number(file, group, "added_modes", table.added_modes);
-  file.dataset(group + "/distance_m", "m", table.distance_m);
-  if constexpr (!File::kWrites) {
-    table.convex = convex != 0;
-  }
-}
-
-// The one place where the group's name stands.
-inline std::string compliance_group(const std::string& tool) {
-  return tool + "/compliance";
-}
-
-template <typename File, typename Table>
-void exchange_compliance(File& file, const std::string& tool, Table& table) {
-  const std::string group = compliance_group(tool);
-  if (file.optional_group(group, !table.empty())) {
-    exchange_compliance_head(file, group, table);
-    file.dataset(group + "/value", kComplianceUnits, table.value);
-    exchange_if_any(file, group + "/mode", kModeUnits, table.mode);
-  }
-}
-
 // One row per node.
 template <typename File, typename Table>
 void exchange_nodes(File& file, const std::string& group, Table& table) {
@@ -295,6 +259,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_viscoelasticity(file, group, table.viscoelasticity);
   exchange_compliance(file, group, table.compliance);
   exchange_puncture(file, group, table.puncture);
+  exchange_contact(file, group, table.contact);
 }
 
 template <typename File, typename Measured>

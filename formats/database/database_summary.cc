@@ -61,6 +61,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.compliance.value.resize(0, 0);
   summary.compliance.mode.resize(0, table.compliance.mode.cols());
   summary.puncture = table.puncture;
+  summary.contact = describe(table.contact);
   summary.accuracy = table.accuracy;
   return summary;
 }
@@ -106,6 +107,11 @@ ToolSummary summarise(const ToolIndex& tool) {
   }
   summary.compliance = tool.compliance;
   summary.puncture = tool.puncture;
+  summary.contact = tool.has_pressure ? "pressure" : "";
+  if (tool.has_lateral) {
+    summary.contact +=
+        summary.contact.empty() ? "lateral stiffness" : ", lateral stiffness";
+  }
   summary.accuracy = tool.accuracy;
   return summary;
 }
@@ -144,8 +150,14 @@ std::string doubts_of_memory(const ToolSummary& tool) {
                      kCoarsestSites, radii < kFinestSites ? "little" : "much");
 }
 
-std::string describe_puncture(const ToolSummary& tool) {
+std::string doubts_of_puncture(const ToolSummary& tool) {
   const std::string doubts = doubts_of(tool.puncture);
+  const std::string deep = doubts_of_depth(tool.tool, tool.puncture, tool.depth_max_m);
+  return doubts + (doubts.empty() || deep.empty() ? "" : "; ") + deep;
+}
+
+std::string describe_puncture(const ToolSummary& tool) {
+  const std::string doubts = doubts_of_puncture(tool);
   return describe(tool.puncture) + (doubts.empty() ? "" : "; " + doubts);
 }
 

@@ -36,6 +36,7 @@ struct ToolSummary {
   std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
   std::string yielding = {};  ///< how responses yield, one line; empty: they do not
   ComplianceTable compliance = {};  ///< without rows; empty: contacts do not couple
+  std::string contact = {};         ///< describe() of its contact table
   Puncture puncture = {};           ///< with its rows; empty: nothing is punctured
   AccuracyRecord accuracy;
 };
@@ -62,6 +63,9 @@ struct ToolSummary {
 
 /// One line for people: what the tool punctures, and doubts of it; empty for nothing.
 [[nodiscard]] std::string describe_puncture(const ToolSummary& tool);
+
+/// Doubts alone, of its numbers and of the depth of its curves; empty without any.
+[[nodiscard]] std::string doubts_of_puncture(const ToolSummary& tool);
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
 

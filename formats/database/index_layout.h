@@ -46,6 +46,9 @@ void exchange_index(Access& access, Index& index) {
     if (access.optional(group + "/puncture_sha256", tool.puncture_sha256.rows() > 0)) {
       access.values(group + "/puncture_sha256", "1", tool.puncture_sha256);
     }
+    if (access.optional(group + "/contact_sha256", tool.contact_sha256.rows() > 0)) {
+      access.values(group + "/contact_sha256", "1", tool.contact_sha256);
+    }
     if (access.optional(group + "/share_min", tool.share_min.rows() > 0)) {
       access.values(group + "/share_min", "1", tool.share_min);
       access.values(group + "/share_max", "1", tool.share_max);

@@ -15,7 +15,7 @@
 namespace palpate {
 
 constexpr int kDatabaseVersion = 2;       ///< major: readers refuse another one
-constexpr int kDatabaseVersionMinor = 8;  ///< additions that readers may pass over
+constexpr int kDatabaseVersionMinor = 9;  ///< additions that readers may pass over
 
 /// Where the numbers came from: enough to compute them again.
 struct Provenance {

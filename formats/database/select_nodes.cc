@@ -215,6 +215,7 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.compliance.mode = rows_at(
       table.compliance.mode, table.compliance.mode.size() == 0 ? Nodes{} : nodes);
   selected.puncture = rows_of(table.puncture, nodes);
+  selected.contact = rows_of(table.contact, nodes);
   return selected;
 }
 

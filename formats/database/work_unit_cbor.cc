@@ -44,6 +44,9 @@ json to_json(const ToolShape& tool) {
          {"length_m", tool.length_m},
          {"mesh", to_json(tool.mesh)},
          {"sticking", tool.sticking}};
+  if (tool.presliding_computed) {
+    j["presliding_computed"] = true;
+  }
   if (tool.axis) {
     j["axis"] = json_list(*tool.axis);
   }
@@ -66,6 +69,7 @@ ToolShape tool_of(const json& j) {
                  .length_m = j.at("length_m"),
                  .mesh = mesh_of(j.at("mesh")),
                  .sticking = j.at("sticking")};
+  tool.presliding_computed = j.value("presliding_computed", false);
   if (j.contains("axis")) {
     tool.axis = vector_of(j.at("axis"));
   }
@@ -75,6 +79,18 @@ ToolShape tool_of(const json& j) {
                     contact.at("radius_m").get<std::vector<double>>()};
   }
   return tool;
+}
+
+void take_values(const json& j, std::vector<double>& values, Eigen::Index /*columns*/) {
+  values = j.get<std::vector<double>>();
+}
+
+template <typename T>
+void take_values(const json& j, RowsOf<T>& rows, Eigen::Index columns) {
+  const auto values = j.get<std::vector<T>>();
+  const auto size = static_cast<Eigen::Index>(values.size());
+  rows = Eigen::Map<const RowsOf<T>>(values.data(), columns > 0 ? size / columns : 0,
+                                     columns);
 }
 
 json to_json(const WorkUnitNode& node) {
@@ -101,6 +117,13 @@ json to_json(const WorkUnitNode& node) {
     j["tilt"] = json_list(response.tilt->tilt);
     j["tilt_by_depth_per_m"] = json_list(response.tilt->by_depth_per_m);
   }
+  for_each_contact_dataset(response.contact,
+                           [&](const char* name, const char* /*units*/,
+                               Eigen::Index /*columns*/, const RowsOf<float>& rows) {
+                             if (rows.rows() > 0) {
+                               j["contact"][name] = flat(rows);
+                             }
+                           });
   return j;
 }
 
@@ -126,17 +149,27 @@ WorkUnitNode node_of(const json& j) {
     node.response.tilt = {.tilt = vector_of(j.at("tilt")),
                           .by_depth_per_m = vector_of(j.at("tilt_by_depth_per_m"))};
   }
+  const json contact = j.value("contact", json::object());
+  for_each_contact_dataset(node.response.contact,
+                           [&](const char* name, const char* /*units*/,
+                               Eigen::Index columns, RowsOf<float>& rows) {
+                             if (contact.contains(name)) {
+                               take_values(contact.at(name), rows, columns);
+                             }
+                           });
   return node;
 }
 
 json to_json(const Puncture& puncture) {
   json j{{"rule", puncture.rule},
          {"material", puncture.material},
-         {"edge_width_m", puncture.edge_width_m},
-         {"shaft_n_per_m", puncture.shaft_n_per_m},
-         {"lateral_n_per_m2", puncture.lateral_n_per_m2},
-         {"mouth_m", puncture.mouth_m},
+         {"membrane_j", puncture.membrane_j},
          {"layers", puncture.layer_depth_m.cols()}};
+  const auto keep = [&](const char* name, double number) {
+    j[name] = number;
+  };
+  for_each_puncture_number(puncture, keep);
+  for_each_optional_puncture_number(puncture, keep);
   content::for_each_puncture_dataset(
       puncture,
       [&](const std::string& name, const char* /*units*/, const auto& values) {
@@ -145,25 +178,16 @@ json to_json(const Puncture& puncture) {
   return j;
 }
 
-void take_values(const json& j, std::vector<double>& values, Eigen::Index /*columns*/) {
-  values = j.get<std::vector<double>>();
-}
-
-template <typename T>
-void take_values(const json& j, RowsOf<T>& rows, Eigen::Index columns) {
-  const auto values = j.get<std::vector<T>>();
-  const auto size = static_cast<Eigen::Index>(values.size());
-  rows = Eigen::Map<const RowsOf<T>>(values.data(), columns > 0 ? size / columns : 0,
-                                     columns);
-}
-
 Puncture puncture_of(const json& j) {
   Puncture puncture{.rule = j.at("rule"),
                     .material = j.at("material").get<std::vector<std::string>>(),
-                    .edge_width_m = j.at("edge_width_m"),
-                    .shaft_n_per_m = j.at("shaft_n_per_m"),
-                    .lateral_n_per_m2 = j.at("lateral_n_per_m2"),
-                    .mouth_m = j.at("mouth_m")};
+                    .membrane_j = j.value("membrane_j", std::vector<double>{})};
+  for_each_puncture_number(puncture, [&](const char* name, double& number) {
+    number = j.at(name);
+  });
+  for_each_optional_puncture_number(puncture, [&](const char* name, double& number) {
+    number = j.value(name, 0.0);
+  });
   const auto columns = j.at("layers").get<Eigen::Index>();
   content::for_each_puncture_dataset(
       puncture, [&](const std::string& name, const char* /*units*/, auto& values) {

@@ -53,6 +53,10 @@ std::string broken_sample(const NodeResponse& response) {
       !(response.tilt->tilt.allFinite() && response.tilt->by_depth_per_m.allFinite())) {
     return "its tilt is not finite";
   }
+  if (!response.contact.empty()) {
+    const std::string wrong = broken_contact_row(response.contact, 0);
+    return wrong.empty() ? "" : "it has a " + wrong;
+  }
   return {};
 }
 

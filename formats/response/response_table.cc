@@ -79,6 +79,45 @@ void fill_tilts(ResponseTable& table, const std::vector<NodeResponse>& responses
   }
 }
 
+// [-] S of a ball on a half-space of nu 0.45 (contact_table.h), where nobody knows it.
+constexpr double kUsualLateral = 3.0 * 0.55 / 1.55;
+constexpr double kNoPreslidingM = 1e-3;  // of a tool without responses
+
+double median_or(double none, std::vector<double> values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), half, values.end());
+  return values.empty() ? none : *half;
+}
+
+// Presliding displacements at the last depths, mu d / S, for those that know one number
+// alone: with the mean of S over directions.
+void derive_presliding(ResponseTable& table) {
+  std::vector<double> lateral(table.presliding_m.size(), 0.0);
+  std::vector<double> known;
+  for (std::size_t i = 0; i < lateral.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (table.contact.has_lateral() && table.contact.lateral(row, 0) > 0.0F) {
+      lateral[i] = 0.5 * lateral_at(table.contact, row, 1.0).trace();
+      known.push_back(lateral[i]);
+    }
+  }
+  const double usual = median_or(kUsualLateral, known);
+  std::vector<double> presliding;
+  for (std::size_t i = 0; i < lateral.size(); ++i) {
+    const CurveView curve = table.curve(static_cast<std::int64_t>(i));
+    if (!curve.depth_m.empty()) {
+      presliding.push_back(table.friction[i] * curve.depth_m.back() /
+                           (lateral[i] > 0.0 ? lateral[i] : usual));
+      table.presliding_m[i] = presliding.back();
+    }
+  }
+  table.tool.presliding_m = median_or(kNoPreslidingM, presliding);
+  for (double& presliding_m : table.presliding_m) {
+    presliding_m = presliding_m > 0.0 ? presliding_m : table.tool.presliding_m;
+  }
+  table.tool.presliding_computed = false;
+}
+
 }  // namespace
 
 CurveView ResponseTable::curve(std::int64_t node) const noexcept {
@@ -121,6 +160,14 @@ ResponseTable make_table(const ToolShape& tool,
   }
   fill_sample_directions(table, responses);
   fill_tilts(table, responses);
+  std::vector<const ContactTable*> contact;
+  for (const NodeResponse& response : responses) {
+    contact.push_back(&response.contact);
+  }
+  table.contact = stacked(contact);
+  if (tool.presliding_computed) {
+    derive_presliding(table);
+  }
   return table;
 }
 

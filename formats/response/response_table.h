@@ -15,6 +15,7 @@
 
 #include "formats/mesh/surface_mesh.h"
 #include "formats/response/compliance_table.h"
+#include "formats/response/contact_table.h"
 #include "formats/response/curve_view.h"
 #include "formats/response/puncture.h"
 #include "formats/response/relaxation.h"
@@ -63,6 +64,7 @@ struct NodeResponse {
   /// (k) [-] unit, force on the tool; empty where `direction` tells enough
   std::vector<Eigen::Vector3d> sample_direction = {};
   std::optional<TiltLine> tilt = {};  ///< none: `direction` tells enough
+  ContactTable contact = {};          ///< one row, or none
   double error_relative = 0.0;  ///< [-] error of force that force_difference() measures
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;
@@ -144,6 +146,7 @@ struct ResponseTable {
   ResponseRelaxation relaxation;  ///< what holds showed; not rendered
   Viscoelasticity viscoelasticity;
   Puncture puncture;           ///< of a needle
+  ContactTable contact;        ///< pressure and lateral stiffness
   ComplianceTable compliance;  ///< how several contacts couple
 
   [[nodiscard]] std::int64_t nodes() const noexcept {

@@ -144,7 +144,7 @@ void check_friction(const ToolShape& tool) {
                                  tool.name, tool.friction));
   }
   require_not_negative(tool, "presliding_m", tool.presliding_m);
-  if (tool.friction > 0.0 && tool.presliding_m == 0.0) {
+  if (tool.friction > 0.0 && tool.presliding_m == 0.0 && !tool.presliding_computed) {
     throw InputError(
         fmt::format("tool {:?}: friction {} needs presliding_m > 0, the displacement "
                     "before sliding",

@@ -39,6 +39,8 @@ struct ToolShape {
   double friction = 0.0;        ///< [-] [0, 10] Coulomb coefficient, tangential plane
   double presliding_m =
       0.0;  ///< [m] [0, inf) delta_L, displacement at which sliding starts
+  /// Of a scene: presliding follows from the lateral stiffness of the presses.
+  bool presliding_computed = false;
   double edge_radius_m = 0.0;   ///< [m] [0, radius) flat-punch
   double half_angle_rad = 0.0;  ///< [rad] (0, pi/2) cone, between axis and flank
   double tip_radius_m = 0.0;    ///< [m] [0, inf) cone

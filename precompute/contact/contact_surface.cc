@@ -121,6 +121,17 @@ ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
   return surface;
 }
 
+std::vector<std::int32_t> contact_mesh_nodes(const ContactSurface& surface,
+                                             std::span<const std::int32_t> patch) {
+  std::vector<std::int32_t> nodes;
+  for (const std::int32_t v : patch) {
+    for (const NodalForce& entry : node_of(surface, v).load) {
+      nodes.push_back(entry.node);
+    }
+  }
+  return nodes;
+}
+
 Eigen::VectorXd pressure_load_n(const ContactSurface& surface,
                                 std::span<const std::int32_t> patch,
                                 const Eigen::VectorXd& pressure_n) {

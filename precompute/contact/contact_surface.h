@@ -58,6 +58,10 @@ struct ContactSurface {
 
 [[nodiscard]] ContactSurface make_contact_surface(const QuadraticMesh& mesh);
 
+/// Nodes of every face that carries one of the patch's hats; some more than once.
+[[nodiscard]] std::vector<std::int32_t> contact_mesh_nodes(
+    const ContactSurface& surface, std::span<const std::int32_t> patch);
+
 /// (3 n_mesh_nodes) [N] on the mesh's nodes, of pressures on a patch's hats.
 /// @param pressure_n (n_patch) [N].
 [[nodiscard]] Eigen::VectorXd pressure_load_n(const ContactSurface& surface,

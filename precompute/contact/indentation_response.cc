@@ -9,6 +9,7 @@
 #include "formats/database/place_check.h"
 #include "formats/mesh/angle_between.h"
 #include "formats/response/force_difference.h"
+#include "precompute/contact/patch_state.h"
 
 namespace palpate {
 namespace {
@@ -131,6 +132,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.sample_direction.front() = response.sample_direction[1];
   }
   response.tilt = tilt_of(indentation, path, response);
+  response.contact = stored_contact(indentation, path);
   const double turn = turn_error(indentation, path, response);
   const IndentationSample& last = indentation.sample.back();
   // Two meshes may agree by chance.

@@ -40,8 +40,23 @@ struct IndentationSample {
   Eigen::VectorXd pressure_n = {};  ///< (n_patch) [N] contact forces
 };
 
+/// How the contact bears at one penetration, in the frame of the path's normal
+/// (tangent_frame). Of the linear press, also where a nonlinear one replaced its
+/// forces.
+struct PatchState {
+  double penetration_m = 0.0;
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();   ///< [m] of the pressure
+  Eigen::Matrix2d moment_m2 = Eigen::Matrix2d::Zero();  ///< [m^2] about the centre
+  double exponent = 0.5;                                ///< [-] m of contact_table.h
+  double spacing_ratio = 0.0;  ///< [-] node spacing over the contact's radius
+  /// [-] K_t over the normal stiffness of the same nodes; 0: not asked for.
+  Eigen::Matrix2d lateral = Eigen::Matrix2d::Zero();
+  double by_tangent = 0.0;  ///< [-] what a nonlinear body's tangent changed of it
+};
+
 struct Indentation {
   std::vector<IndentationSample> sample;
+  std::vector<PatchState> contact = {};  ///< of growing penetration
   double node_spacing_m = 0.0;  ///< [m] contact nodes' mean distance around the vertex
   /// [-] of the force at the last depth, by what is left out of the body around
   double exterior_error_relative = 0.0;

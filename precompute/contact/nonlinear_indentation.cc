@@ -21,18 +21,6 @@ constexpr int kPatience = 2;
 constexpr int kWidened = 2;
 constexpr double kWider = 0.3;
 
-// Nodes of every face that carries one of the patch's hats.
-std::vector<std::int32_t> contact_mesh_nodes(const NonlinearBody& body,
-                                             std::span<const std::int32_t> patch) {
-  std::vector<std::int32_t> nodes;
-  for (const std::int32_t v : patch) {
-    for (const NodalForce& entry : node_of(body.surface, v).load) {
-      nodes.push_back(entry.node);
-    }
-  }
-  return nodes;
-}
-
 class Press {
  public:
   Press(const NonlinearBody& body, std::span<const std::int32_t> patch,
@@ -49,7 +37,7 @@ class Press {
         near_gradient_(options.near_gradient),
         near_tet_(strained()),
         near_(body.mesh, body.material, body.supports, near_tet_,
-              contact_mesh_nodes(body, patch)),
+              contact_mesh_nodes(body.surface, patch)),
         contact_(body.surface, body.mesh, patch, near_),
         tangent_(tangent_of(body)),
         equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium,

@@ -12,6 +12,7 @@
 #include "formats/database/error_calibration.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/contact/indentation_response.h"
+#include "precompute/contact/lateral_state.h"
 #include "precompute/process/fault_point.h"
 
 namespace palpate {
@@ -319,11 +320,31 @@ double Cluster::expected_error(std::size_t i, const RatioModel& ratios) const {
                            : ratios.error_at(vertex_[i], linear_[i].indentation);
 }
 
+// What the tangent made of the lateral stiffness at the nearest solved vertex [-].
+double Cluster::nearest_tangent(std::size_t i) const {
+  double least_m = std::numeric_limits<double>::infinity();
+  double times = 0.0;
+  for (std::size_t j = 0; j < full_.size(); ++j) {
+    if (!full_[j] || full_[j]->indentation.contact.empty()) {
+      continue;
+    }
+    const double apart_m = (body_.surface.position_m.row(vertex_[i]) -
+                            body_.surface.position_m.row(vertex_[j]))
+                               .norm();
+    if (apart_m < least_m) {
+      least_m = apart_m;
+      times = full_[j]->indentation.contact.back().by_tangent;
+    }
+  }
+  return times;
+}
+
 NodeResponse Cluster::interpolated(std::size_t i, const RatioModel& ratios,
                                    bool& ends_early) const {
   const Indentation& linear = linear_[i].indentation;
-  const Indentation path =
+  Indentation path =
       scaled(linear, ratios.at(vertex_[i], linear), scene_.reach.force_max_n);
+  take_tangent(path, path.sample.back().penetration_m, nearest_tangent(i));
   ends_early = path.ends_early;
   NodeResponse response = to_response(path, linear_[i].path, scene_.force_relative);
   response.origin = ResponseOrigin::kInterpolated;

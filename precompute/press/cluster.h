@@ -90,6 +90,7 @@ class Cluster {
     return RatioField::place_of(vertex_[i], linear_[i].indentation);
   }
   [[nodiscard]] double expected_error(std::size_t i, const RatioModel& ratios) const;
+  [[nodiscard]] double nearest_tangent(std::size_t i) const;
   [[nodiscard]] NodeResponse interpolated(std::size_t i, const RatioModel& ratios,
                                           bool& ends_early) const;
   [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;

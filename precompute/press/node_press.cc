@@ -9,7 +9,9 @@
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
 #include "precompute/contact/held_obstacle.h"
+#include "precompute/contact/lateral_state.h"
 #include "precompute/contact/other_contact.h"
+#include "precompute/contact/patch_state.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/response_ratio.h"
 #include "precompute/process/failure_of.h"
@@ -178,6 +180,11 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
     IndentationPath path = node.path;
     path.force_max_n *= force_times;
     node.indentation = indent(model.contact, compliance, node.patch, path);
+    add_pressure_states(model.contact, node.patch, path, node.indentation);
+    if (path.tool->shape().presliding_computed) {
+      add_lateral_states(*model.factor, model.supports, model.contact, compliance,
+                         node.patch, path, node.indentation);
+    }
     for (IndentationSample& sample : node.indentation.sample) {
       fault_point(FaultPlace::kPress, node.vertex,
                   {sample.force_n.data(), std::size_t{3}});

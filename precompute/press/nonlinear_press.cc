@@ -12,6 +12,7 @@
 
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
+#include "precompute/contact/lateral_state.h"
 #include "precompute/fem/batched_solves.h"
 #include "precompute/press/interpolation_error.h"
 #include "precompute/press/relative_correction.h"
@@ -222,6 +223,24 @@ NonlinearIndentation followed(const BodyModel& model,
   return result;
 }
 
+// The lateral stiffness by the tangent where the press ended.
+void correct_lateral(const BodyModel& model, const SurfaceCompliance& compliance,
+                     PressedNode& node, const NonlinearIndentation& result,
+                     const RestSolve& solve) {
+  if (!result.converged() || result.sample.empty() ||
+      !node.path.tool->shape().presliding_computed) {
+    return;
+  }
+  NearField near(model.mesh, model.material, model.supports, result.near_tet,
+                 contact_mesh_nodes(model.contact, node.patch));
+  correct_lateral_states({.near = near,
+                          .state = result.state,
+                          .pressure_n = result.pressure_n,
+                          .penetration_m = result.sample.back().penetration_m},
+                         solve, model.contact, compliance.among(node.patch), node.patch,
+                         node.path, node.indentation);
+}
+
 // A node with its linear press, by one recipe.
 PressedNode pressed_by(const BodyModel& model, const SurfaceCompliance& compliance,
                        const PressedNode& linear, const PressMode& mode,
@@ -231,6 +250,7 @@ PressedNode pressed_by(const BodyModel& model, const SurfaceCompliance& complian
   contain(node, [&] {
     result = followed(model, compliance, node, mode, attempt.recipe, solve);
     correct(node, result);
+    correct_lateral(model, compliance, node, result, solve);
     if (mode.keep_states) {
       node.nonlinear = std::make_shared<const NonlinearIndentation>(result);
     }

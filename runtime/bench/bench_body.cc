@@ -47,11 +47,27 @@ class NodeMaker {
     node.presliding_m = o_.presliding_m;
     set_power_law(node, o_.exponent, o_.force_n * std::pow(o_.contrast, unit() - 0.5),
                   o_.depth_m, o_.samples);
+    if (o_.lateral > 0.0) {
+      for (std::size_t k = 0; k < kContactDepths; ++k) {
+        set_lateral(node, k);
+      }
+    }
     return node;
   }
 
  private:
   double unit() { return std::generate_canonical<double, 53>(random_); }
+
+  // A tensor of any axes.
+  void set_lateral(ElementNode& node, std::size_t depth) {
+    const double one = o_.lateral * (0.1 + 0.9 * unit());
+    const double other = o_.lateral * (0.1 + 0.9 * unit());
+    const double about = std::numbers::pi * unit();
+    const double c = std::cos(about), s = std::sin(about);
+    node.lateral[3 * depth] = one * c * c + other * s * s;
+    node.lateral[3 * depth + 1] = (one - other) * c * s;
+    node.lateral[3 * depth + 2] = one * s * s + other * c * c;
+  }
 
   Eigen::Vector3d leaning(const Eigen::Vector3d& n) {
     const double angle = o_.tilt_rad * unit();

@@ -26,10 +26,13 @@ struct BenchBodyOptions {
   /// [1/m] by how much tilts change with the tool's height, at most: about that at
   /// touch
   double tilt_by_height_per_m = 0.0;
-  double touch_height_m = 0.005;              ///< [m] of the tool
-  double friction_min = 0.0;                  ///< [-]
-  double friction_max = 0.0;                  ///< [-] per node in between
-  double presliding_m = 5e-4;                 ///< [m] delta_L of every node
+  double touch_height_m = 0.005;  ///< [m] of the tool
+  double friction_min = 0.0;      ///< [-]
+  double friction_max = 0.0;      ///< [-] per node in between
+  double presliding_m = 5e-4;     ///< [m] delta_L of every node
+  /// [-] Largest eigenvalue of the nodes' lateral stiffness, that of a node at a depth
+  /// anything from a tenth of it; 0: the presliding length tells all.
+  double lateral = 0.0;
   double touch_offset_m = 0.0;                ///< [m] largest touch offset, either sign
   std::vector<double> relaxing = {};          ///< [-] g_k of every node; none: static
   std::vector<double> relaxation_s = {};      ///< [s] tau_k, as many

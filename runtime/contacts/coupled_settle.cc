@@ -96,7 +96,7 @@ void settle(const CoupledTick& t, PassivityLedger& ledger, Real recovery_m) noex
     CoupledContact& contact = t.contact(i);
     if (contact.reading.loaded) {
       set_spring(contact.spring, t.at(i).place, t.surfaces[i].cache,
-                 field.equilibrium.force_n(i));
+                 field.equilibrium.delta_m(i), field.equilibrium.force_n(i));
     } else {
       contact.spring = {};
     }

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/response/contact_depths.h"
 #include "formats/response/curve_view.h"
 #include "runtime/account/real.h"
 
@@ -84,6 +85,9 @@ struct ElementNode {
   Real touch_offset_m = 0.0;  ///< [m] normal penetration at first touch
   Real friction = 0.0;        ///< [-] [0, 10]
   Real presliding_m = 0.0;    ///< [m] delta_L
+  /// [-] S of contact_table.h, (xx, xy, yy) at each of kContactDepthShares of the last
+  /// depth, in the node's tangent frame; 0: the presliding length tells all.
+  std::array<Real, 3 * kContactDepths> lateral{};
   std::array<Real, kElementSamples> depth_m{};
   std::array<Real, kElementSamples> force_n{};
   std::array<Real, kElementSamples> stiffness_n_per_m{};

@@ -69,7 +69,8 @@ void pass_node(Pass& pass, Node& node, Memory& memory, Below& below) noexcept {
   //   0            8        index, samples (int32)
   //   8            15 r     position, normal, direction, tilt, its change with height
   //   8 + 15 r     3 r      touch offset, friction, presliding
-  //   8 + 18 r     192 r    depths, forces, stiffnesses, energies, 48 of each
+  //   8 + 18 r     12 r     lateral stiffness
+  //   8 + 30 r     192 r    depths, forces, stiffnesses, energies, 48 of each
   pass(node.node);
   pass(node.samples);
   pass(node.position_m);
@@ -80,13 +81,14 @@ void pass_node(Pass& pass, Node& node, Memory& memory, Below& below) noexcept {
   pass(node.touch_offset_m);
   pass(node.friction);
   pass(node.presliding_m);
+  pass(node.lateral);
   pass(node.depth_m);
   pass(node.force_n);
   pass(node.stiffness_n_per_m);
   pass(node.energy_j);
-  //   8 + 210 r    16       four sites (int32)
-  //   24 + 210 r   15 r     weights (4), shares that relax (4), cuts (7)
-  //   24 + 225 r   5 r      yield depth, share that stays; softening: onset, scale,
+  //   8 + 222 r    16       four sites (int32)
+  //   24 + 222 r   15 r     weights (4), shares that relax (4), cuts (7)
+  //   24 + 237 r   5 r      yield depth, share that stays; softening: onset, scale,
   //   most
   pass(memory.site);
   pass(memory.weight);
@@ -97,7 +99,7 @@ void pass_node(Pass& pass, Node& node, Memory& memory, Below& below) noexcept {
   pass(memory.onset_m);
   pass(memory.soft_scale_m);
   pass(memory.soft_most);
-  //   24 + 230 r   10 + 7 r layers (int32), rupture, depths (6), materials (int8)
+  //   24 + 242 r   10 + 7 r layers (int32), rupture, depths (6), materials (int8)
   pass(below.layers);
   pass(below.rupture);
   pass(below.depth_m);
@@ -151,8 +153,9 @@ bool well_sent(const ElementNode& node) {
          all_finite(node.direction) && all_finite(node.tilt) &&
          all_finite(node.tilt_by_height_per_m) && std::isfinite(node.touch_offset_m) &&
          std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
-         all_finite(node.depth_m) && all_finite(node.force_n) &&
-         all_finite(node.stiffness_n_per_m) && all_finite(node.energy_j);
+         all_finite(node.lateral) && all_finite(node.depth_m) &&
+         all_finite(node.force_n) && all_finite(node.stiffness_n_per_m) &&
+         all_finite(node.energy_j);
 }
 
 bool well_sent(const Element& element, const Head& head) {

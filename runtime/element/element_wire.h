@@ -8,7 +8,7 @@
 //
 //   bytes       what
 //   0   4       magic "PLPE" (binary64) or "PLPS" (binary32)
-//   4   2       version, 5
+//   4   2       version, 6
 //   6   2       flags: 1 active, else a neighbour; 2 the body yields
 //   8   4       session: drawn anew when the sender starts
 //   12  4       triangle
@@ -19,10 +19,11 @@
 //   46  2       bundles
 //   48  4 r     relaxation times; those past the terms are 0
 //   48 + 4 r    r   height of the tool at touch
-//   48 + 5 r    3 x (34 + 237 r)
+//   48 + 5 r    3 x (34 + 249 r)
 //               nodes: index (4), samples (4), position, normal, direction, tilt, its
 //               change with height (3 r each),
-//               touch offset, friction, presliding (r each), then depths, forces,
+//               touch offset, friction, presliding (r each), lateral
+//               stiffness (12 r), then depths, forces,
 //               stiffnesses, energies (48 r each; those past `samples` are 0), then
 //               memory: sites (4 x 4), weights, shares (4 r each), cuts (7 r),
 //               yield depth, share that stays, onset, scale and most of softening
@@ -46,14 +47,14 @@ namespace palpate {
 /// Bytes of a frame of this floating point.
 template <typename Scalar>
 constexpr std::size_t kFrameBytes = 52 + 5 * sizeof(Scalar) +
-                                    3 * (34 + 237 * sizeof(Scalar));
-using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 5882 bytes
-using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 3018 bytes
+                                    3 * (34 + 249 * sizeof(Scalar));
+using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 6170 bytes
+using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 3162 bytes
 
 /// What this program's Real receives.
 constexpr std::size_t kWireBytes = kFrameBytes<Real>;
 using WireFrame = std::array<std::byte, kWireBytes>;
-constexpr std::uint16_t kWireVersion = 5;
+constexpr std::uint16_t kWireVersion = 6;
 
 /// CRC-32 of IEEE 802.3 (reflected, 0xEDB88320): 0xCBF43926 of "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;

@@ -154,30 +154,24 @@ Vector3 advance_needle(FastState& state, const Vector3& x, const Vector3& moved,
 
 // A sum of products with zero is zero, or not a number where one of them is infinite or
 // none: several at a time, without a branch for each.
-Real zero_if_finite(const std::array<Real, 3>& values) {
-  return (Eigen::Map<const Vector3>(values.data()) * Real(0.0)).sum();
-}
-
-// Of its curve.
-Real zero_if_finite(const ElementNode& node, Eigen::Index samples) {
-  const auto zeros = [samples](const std::array<Real, kElementSamples>& values) {
-    using Reals = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
-    return Reals(values.data(), samples) * Real(0.0);
-  };
-  return (zeros(node.depth_m) + zeros(node.force_n) + zeros(node.stiffness_n_per_m) +
-          zeros(node.energy_j))
-      .sum();
+template <std::size_t N>
+Real zero_if_finite(const std::array<Real, N>& values, Eigen::Index count = N) {
+  using Reals = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
+  return (Reals(values.data(), count) * Real(0.0)).sum();
 }
 
 bool is_finite(const ElementNode& node) {
   // Too many are refused by the cache.
   const auto n = std::clamp<std::int32_t>(node.samples, 0, kElementSamples);
-  const Real sum =
-      zero_if_finite(node.position_m) + zero_if_finite(node.normal) +
-      zero_if_finite(node.direction) + zero_if_finite(node.tilt) +
-      zero_if_finite(node.tilt_by_height_per_m) +
-      zero_if_finite({node.touch_offset_m, node.friction, node.presliding_m}) +
-      zero_if_finite(node, n);
+  const Real sum = zero_if_finite(node.position_m) + zero_if_finite(node.normal) +
+                   zero_if_finite(node.direction) + zero_if_finite(node.tilt) +
+                   zero_if_finite(node.tilt_by_height_per_m) +
+                   zero_if_finite(std::array{node.touch_offset_m, node.friction,
+                                             node.presliding_m}) +
+                   zero_if_finite(node.lateral) + zero_if_finite(node.depth_m, n) +
+                   zero_if_finite(node.force_n, n) +
+                   zero_if_finite(node.stiffness_n_per_m, n) +
+                   zero_if_finite(node.energy_j, n);
   return sum == Real(0.0);
 }
 

@@ -228,7 +228,8 @@ void recover_field(PotentialModel& model, const FieldView& view, Real unspent_j,
 void settle_field(PotentialModel& model, const FieldView& view, PassivityLedger& ledger,
                   Real recovered_m) {
   if (model.response.loaded) {
-    set_spring(model.spring, model.place, view.cache, model.response.normal_n);
+    set_spring(model.spring, model.place, view.cache,
+               model.response.depth_m - model.shift_m, model.response.normal_n);
   } else {
     model.spring = {};
   }

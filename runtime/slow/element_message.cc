@@ -55,6 +55,22 @@ void set_tilt(ElementNode& message, const NodeRows& rows, std::int64_t row) {
   }
 }
 
+// A node whose stiffness nobody knows beside others that know theirs has that of its
+// presliding length at the last depth, S = mu d / delta_L.
+void set_lateral(ElementNode& message, const ResponseTable& table, std::int64_t row) {
+  if (!table.contact.has_lateral() || !(message.friction > 0.0)) {
+    return;
+  }
+  const auto stored = table.contact.lateral.row(row);
+  const double alike =
+      message.friction * table.curve(row).depth_m.back() / message.presliding_m;
+  for (std::size_t i = 0; i < message.lateral.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    message.lateral[i] = stored(0) > 0.0F ? static_cast<double>(stored(column))
+                                          : (i % 3 == 1 ? 0.0 : alike);
+  }
+}
+
 }  // namespace
 
 std::array<double, 3> row_array(const Points& points, Eigen::Index row) {
@@ -76,6 +92,7 @@ ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n)
   message.touch_offset_m = touch_offset_m(rows, row);
   message.direction = row_array(table.direction, row);
   set_tilt(message, rows, row);
+  set_lateral(message, table, row);
   const double lost_n = set_curve(message, curve) * rows.force_scale;
   if (loss_n != nullptr) {
     *loss_n = lost_n;
