@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <span>
 
 #include <Eigen/Eigenvalues>
@@ -32,6 +34,7 @@ enum PlaneParameter : Eigen::Index {
   kPlaneParameters = 10
 };
 constexpr std::array kPlaneReaches{0.01, 0.03, 0.1, 0.3};  // x_p over the travel
+constexpr double kFarSlip = 1e3;          // S of a spring, over the forces' range
 constexpr int kSubsteps = 8;              // between samples: a sliding force turns
 constexpr double kSlideLimit = 0.98;      // [-] of S, at which a sample slides
 constexpr double kDerivativeStep = 1e-6;  // [-]
@@ -180,13 +183,24 @@ struct SolvedPlane {
   double borne_n = 0.0;    // largest force of the contact
 };
 
-SolvedPlane solve_plane(const PlanePath& path, ContactLaw law) {
+// @param slides else a spring whose slip is far away
+SolvedPlane solve_plane(const PlanePath& path, ContactLaw law, bool slides = true) {
   SolvedPlane solved;
   solved.law = law;
   std::vector<bool> held(kPlaneParameters, false);
+  std::vector<Eigen::VectorXd> starts = plane_starts(path);
+  if (!slides) {
+    // The force at the start and the offset are then one.
+    held[kSlip] = held[kStart] = held[kStart + 1] = true;
+    for (Eigen::VectorXd& q : starts) {
+      q[kSlip] = std::log(kFarSlip * path.range_n);
+      q.segment<2>(kBase) += q.segment<2>(kStart);
+      q.segment<2>(kStart).setZero();
+    }
+  }
   held[kRise] = held[kRise + 1] = path.along.turn.size() < 2;
   const LeastSquaresProblem problem = plane_problem(path, law, held);
-  solved.q = solve_from_starts(problem, plane_starts(path), {.tolerance = 1e-10}).q;
+  solved.q = solve_from_starts(problem, starts, {.tolerance = 1e-10}).q;
   solved.residual.resize(problem.residuals);
   plane_residual(path, law, solved.q, solved.residual);
   solved.covariance = least_squares_covariance(problem, solved.q);
@@ -250,6 +264,18 @@ std::span<const double> plane_span(const Eigen::VectorXd& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
+// -2 log of how much less likely the second is, by the noise of the first.
+double plane_deviance(const SolvedPlane& by, const SolvedPlane& other) {
+  if (!(by.residual.squaredNorm() > 0.0)) {
+    return other.residual.squaredNorm() > 0.0 ? std::numeric_limits<double>::max()
+                                              : 0.0;
+  }
+  std::vector<double> order(static_cast<std::size_t>(by.residual.size()));
+  std::iota(order.begin(), order.end(), 0.0);
+  return ResidualNoise(order, plane_span(by.residual))
+      .deviance(plane_span(other.residual));
+}
+
 }  // namespace
 
 LineMotion along_line(const LateralRun& run) {
@@ -298,13 +324,11 @@ PlaneFit fit_plane(const LateralRun& run, const FrameCompliance* frame) {
   const auto count = static_cast<double>(path.along.fitted.size());
   fit.rms_n = path.range_n * better.residual.norm() / std::sqrt(2.0 * count);
   fit.other_rms_n = path.range_n * other.residual.norm() / std::sqrt(2.0 * count);
-  if (better.residual.squaredNorm() > 0.0) {
-    std::vector<double> order(static_cast<std::size_t>(better.residual.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      order[i] = static_cast<double>(i);
-    }
-    fit.deviance = ResidualNoise(order, plane_span(better.residual))
-                       .deviance(plane_span(other.residual));
+  fit.deviance = plane_deviance(better, other);
+  SolvedPlane spring = solve_plane(path, ContactLaw::kSharpSlip, false);
+  if (plane_deviance(better, spring) < kSlipDeviance) {
+    spring.slides = 0;
+    better = spring;  // noise alone slides
   }
   state_stiffness(better, fit);
   state_slip(better, fit);

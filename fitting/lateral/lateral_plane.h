@@ -2,12 +2,13 @@
 //
 //   q = sum_e w_e K s_e,   |K s_e| <= rho_e S n,   ds_e = du while it sticks
 //
-// Symbols: q tangential force (2) [N], K symmetric stiffness (2 x 2) [N/m], s_e stretch
-// (2) [m] of slip element e, w_e its weight, rho_e its share of the sliding force S
-// [N]. n is the normal force over its mean, u the displacement (2) [m]. An element
-// whose force is beyond its limit slides back along its own force. One element is a
-// sharp slip, as the runtime's FrictionSpring. kPlaneElements of rho = 3/2 (1 - y^2), y
-// even over [0, 1], are partial slip (contact_law.h).
+// Symbols: q tangential force (2) [N], K symmetric stiffness (2 x 2) [N/m]. s_e is the
+// stretch (2) [m] of slip element e, w_e its weight, rho_e its share of S. S is the
+// sliding force [N], n the normal force over its mean, u the displacement (2) [m]. An
+// element whose force is beyond its limit slides back along its own force. So does the
+// runtime's FrictionSpring where K is the same in all directions. One element is a
+// sharp slip. kPlaneElements of rho = 3/2 (1 - y^2), y even over [0, 1], are partial
+// slip (contact_law.h).
 #pragma once
 
 #include <string>

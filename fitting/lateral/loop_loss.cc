@@ -1,5 +1,6 @@
 #include "fitting/lateral/loop_loss.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fitting/numerics/correlated_noise.h"
@@ -7,7 +8,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kPieces = 8;  // between samples
+constexpr double kBriefShare = 0.05;  // [-] of a cycle
+constexpr int kPieces = 8;            // between samples
 
 // An end of the path or a turn: state of the contact and work until there.
 struct Extreme {
@@ -109,6 +111,12 @@ LoopLosses loop_losses(const LateralPath& path, const SolvedLoop& solved) {
   const std::vector<Extreme> extremes = extremes_of(path, solved);
   const auto noises =
       noises_of(Eigen::MatrixXd(solved.residual.size(), 0), solved.residual);
+  // What changes from cycle to cycle is no noise: for that neighbours share little.
+  const double cycle = static_cast<double>(path.fitted.size()) /
+                       std::max(1.0, 0.5 * static_cast<double>(path.turn.size()));
+  const auto brief =
+      noises_of(Eigen::MatrixXd(solved.residual.size(), 0), solved.residual,
+                SharedNoise::kRough, std::max(1.0, kBriefShare * cycle));
   Eigen::VectorXd all = Eigen::VectorXd::Zero(solved.residual.size());
   double weights = 0.0, weighed = 0.0, squares = 0.0;
   for (std::size_t j = 0; j + 2 < extremes.size();) {
@@ -125,7 +133,8 @@ LoopLosses loop_losses(const LateralPath& path, const SolvedLoop& solved) {
     const double sd = spread_j(noises, steps, solved.range_n);
     losses.cycle.push_back(
         {0.5 * std::abs(over.place_m - from.place_m), modelled + more, modelled, sd});
-    const double weight = sd > 0.0 ? 1.0 / (sd * sd) : 0.0;
+    const double short_sd = spread_j(brief, steps, solved.range_n);
+    const double weight = short_sd > 0.0 ? 1.0 / (short_sd * short_sd) : 0.0;
     weights += weight;
     weighed += weight * more;
     squares += weight * more * more;

@@ -25,7 +25,7 @@ struct LoopLosses {
   std::vector<LoopCycle> cycle;  ///< closed ones, in order; may be empty
   double mean_sd_j = 0.0;        ///< of the mean over the cycles
   /// Squares of deviations from the mean of measured less modelled losses, over their
-  /// variances.
+  /// variances by noise that is short beside a cycle.
   double chi_squared = 0.0;
 };
 

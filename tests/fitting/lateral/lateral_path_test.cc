@@ -122,7 +122,7 @@ TEST(LateralPath, RefusesWhatIsNoLateralTest) {
       "move");
   refuses(
       [](LateralRun& run) {
-        run.normal_n[200] = 0.0;
+        std::fill_n(run.normal_n.begin() + 190, 20, 0.0);
       },
       "normal force goes");
   refuses(
