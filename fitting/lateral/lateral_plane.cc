@@ -28,7 +28,7 @@ enum PlaneParameter : Eigen::Index {
   kLogXy,
   kLogYy,
   kSlip,
-  kStart,
+  kPlaneStart,
   kBase = 6,
   kRise = 8,
   kPlaneParameters = 10
@@ -90,7 +90,7 @@ std::vector<Vector2> friction_along(const PlanePath& path, ContactLaw law,
   const Matrix2 K = stiffness_of(q);
   const double slip = std::exp(q[kSlip]);
   std::vector<Vector2> bears(static_cast<std::size_t>(count),  // K s_e
-                             path.range_n * q.segment<2>(kStart));
+                             path.range_n * q.segment<2>(kPlaneStart));
   std::vector<Vector2> forces;
   for (std::size_t i = 0; i < path.place_m.size(); ++i) {
     const Vector2 way = i == 0 ? Vector2::Zero().eval()
@@ -169,7 +169,7 @@ std::vector<Eigen::VectorXd> plane_starts(const PlanePath& path) {
     q[kSlip] = std::log(0.5 * path.range_n);
     q[kLogXx] = q[kLogYy] = q[kSlip] - std::log(reach * path.along.travel_m);
     q.segment<2>(kBase) = middle / path.range_n;
-    q.segment<2>(kStart) = (path.force_n.front() - middle) / path.range_n;
+    q.segment<2>(kPlaneStart) = (path.force_n.front() - middle) / path.range_n;
     starts.push_back(q);
   }
   return starts;
@@ -191,11 +191,11 @@ SolvedPlane solve_plane(const PlanePath& path, ContactLaw law, bool slides = tru
   std::vector<Eigen::VectorXd> starts = plane_starts(path);
   if (!slides) {
     // The force at the start and the offset are then one.
-    held[kSlip] = held[kStart] = held[kStart + 1] = true;
+    held[kSlip] = held[kPlaneStart] = held[kPlaneStart + 1] = true;
     for (Eigen::VectorXd& q : starts) {
       q[kSlip] = std::log(kFarSlip * path.range_n);
-      q.segment<2>(kBase) += q.segment<2>(kStart);
-      q.segment<2>(kStart).setZero();
+      q.segment<2>(kBase) += q.segment<2>(kPlaneStart);
+      q.segment<2>(kPlaneStart).setZero();
     }
   }
   held[kRise] = held[kRise + 1] = path.along.turn.size() < 2;
