@@ -51,7 +51,7 @@ std::vector<Row> by_key(const std::vector<std::int32_t>& key, std::size_t keys,
                         const std::vector<Row>& rows) {
   std::vector<Row> begin(keys + 1, 0);
   for (const std::int32_t k : key) {
-    begin[static_cast<std::size_t>(k + 1)] += k >= 0 ? 1 : 0;
+    begin[static_cast<std::size_t>(k) + 1] += k >= 0 ? 1 : 0;  // of -1: the first
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Row> sorted(begin.back());
@@ -86,7 +86,8 @@ std::vector<Row> by_cell(const Eigen::Ref<const Points>& position_m) {
     }
     key[row] = place;
   }
-  return by_key(key, static_cast<std::size_t>(cells * cells * cells), rows);
+  const auto side = static_cast<std::size_t>(cells);
+  return by_key(key, side * side * side, rows);
 }
 
 const ResponseTable& not_yielding(const ResponseTable& table) {
