@@ -25,6 +25,7 @@ Element element(std::uint64_t sequence) {
                                                  .tilt_rad = 0.2,
                                                  .tilt_by_height_per_m = 20.0,
                                                  .friction_max = 1.0,
+                                                 .lateral = 2.0,
                                                  .touch_offset_m = 3e-4,
                                                  .relaxing = {0.25, 0.3},
                                                  .relaxation_s = {0.4, 4.5},
@@ -111,20 +112,22 @@ TEST(ElementWire, FrameHasTheBytesThatItsDescriptionSays) {
   WireFrame frame;
   Element sent = element(3);
   encode(sent, 0x01020304, frame);
-  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x05\x00\x03\x00\x04\x03\x02\x01", 12), 0);
+  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x06\x00\x03\x00\x04\x03\x02\x01", 12), 0);
   EXPECT_EQ(std::memcmp(frame.data() + 44, "\x02\x00\x08\x00", 4), 0);
   double number = -1.0;
   std::memcpy(&number, frame.data() + 48 + 8, 8);
   EXPECT_EQ(number, 4.5);
-  std::memcpy(&number, frame.data() + 88 + 1930 + 8 + 144 + 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2026 + 8 + 144 + 2 * 8, 8);
+  EXPECT_EQ(number, sent.node[1].lateral[2]);
+  std::memcpy(&number, frame.data() + 88 + 2026 + 8 + 240 + 8, 8);
   EXPECT_EQ(number, sent.node[1].depth_m[1]);
-  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 - 6 * 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2 * 2026 + 1960 - 6 * 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].cut_m[6]);
-  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 - 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2 * 2026 + 1960 - 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].soft_most);
-  std::memcpy(&number, frame.data() + 88 + 2 * 1930 + 1864 + 4 + 2 * 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 2 * 2026 + 1960 + 4 + 2 * 8, 8);
   EXPECT_EQ(number, sent.puncture[2].depth_m[1]);
-  EXPECT_EQ(frame[88 + 3 * 1930 - 6], std::byte{3});
+  EXPECT_EQ(frame[88 + 3 * 2026 - 6], std::byte{3});
 }
 
 TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
@@ -132,7 +135,7 @@ TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     add(wire, element(i));
   }
-  for (const std::size_t piece : {1UL, 7UL, 64UL, 5881UL, 5882UL, 5883UL, 99999UL}) {
+  for (const std::size_t piece : {1UL, 7UL, 64UL, 6169UL, 6170UL, 6171UL, 99999UL}) {
     ElementReceiver receiver;
     EXPECT_EQ(receive_all(receiver, wire, piece), (Sequences{1, 2, 3, 4, 5})) << piece;
     EXPECT_EQ(receiver.counts.accepted, 5U);
