@@ -185,6 +185,7 @@ void ViewSession::start() {
   Eigen::Map<Eigen::Vector3d>(latest_.position_m.data()) = hands_.front().start_m;
   Eigen::Map<Eigen::Vector3d>(latest_.second.position_m.data()) = hands_.back().start_m;
   ticks_.clear();
+  friction_ = {};
   slow_updates_ = 0;
 }
 
@@ -274,6 +275,9 @@ void ViewSession::tick() {
       device->close();
     }
   }
+  if (rubs()) {
+    friction_.add(body_->rendered().friction());
+  }
   if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
     static_cast<void>(slow_deadlines_.begin(clock_.now_ns()));
     slow_updates_ += body_->rendered().serve(clock_.now_ns()) ? 1 : 0;
@@ -286,6 +290,10 @@ void ViewSession::tick() {
   while (telemetry_->arrivals.front() != nullptr) {
     telemetry_->arrivals.pop();
   }
+}
+
+bool ViewSession::rubs() const {
+  return hands_.size() == 1 && shows_friction(table());
 }
 
 bool ViewSession::holding() const {
@@ -327,6 +335,10 @@ ViewFrame ViewSession::frame() {
                                .slow_hz = options_.slow_hz,
                                .fast_hz = options_.fast_hz}};
   body_->show(hands_, frame);
+  if (rubs()) {
+    frame.friction =
+        view_friction(friction_, database_, table().tool, search_, latest_.triangle);
+  }
   return frame;
 }
 
