@@ -33,9 +33,9 @@ struct ViewFriction {
   std::vector<RubbedTick> ticks;  ///< since the frame before, those that rub
 };
 
-/// Follows a contact tick by tick. What it slid is the sum of the tool's movements in
-/// the plane of the tick before, as the spring takes them; so d force / d slid is the
-/// lateral stiffness while the contact sticks.
+/// Follows a contact tick by tick. What the contact slid is the sum of the tool's
+/// movements in the plane of the tick before, as the spring takes them. So d force / d
+/// slid is the lateral stiffness while the contact sticks.
 class FrictionTrail {
  public:
   void add(const FrictionSeen& seen);

@@ -1,5 +1,5 @@
 // A plate whose contacts know how stiff they are sideways, for tests that look at
-// friction: the spring is the same at every place and depth.
+// friction. The spring is the same at every place and depth.
 #pragma once
 
 #include "formats/database/response_database.h"

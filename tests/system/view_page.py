@@ -387,6 +387,13 @@ return {
 """
 
 
+# How far the contact is from the cursor [m].
+LAG = """
+const { place, state } = window.palpate;
+return Math.hypot(...place.point.map((v, k) => v - state.contact_m[k]));
+"""
+
+
 def friction(page, watcher, seen):
     """A contact that is moved sideways: it sticks, slips, and goes there and back."""
     seen["above"] = in_a_frame(page, FRICTION)
@@ -401,6 +408,7 @@ def friction(page, watcher, seen):
     page.picture("friction_sticks")
     for keys in (7 * Keys.ARROW_RIGHT, 8 * Keys.ARROW_LEFT, 8 * Keys.ARROW_RIGHT):
         page.keys(keys)
+        page.wait(lambda: in_a_frame(page, LAG) < 2e-3)
         settled(page)
     page.wait(lambda: page.text("rubs") == "slips")
     seen["slips"] = in_a_frame(page, FRICTION)
