@@ -143,6 +143,7 @@ ViewSession::ViewSession(const ResponseDatabase& database,
   const std::vector<const ResponseTable*> tables = find_tools(database, options.tools);
   body_ = steered(database, tables, options_);
   hands_.resize(tables.size());
+  rubs_ = tables.size() == 1 && shows_friction(*tables.front());
   const std::int32_t first = first_node(database, *tables.front());
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     seat(hands_[i], *tables[i],
@@ -275,7 +276,7 @@ void ViewSession::tick() {
       device->close();
     }
   }
-  if (rubs()) {
+  if (rubs_) {
     friction_.add(body_->rendered().friction());
   }
   if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
@@ -290,10 +291,6 @@ void ViewSession::tick() {
   while (telemetry_->arrivals.front() != nullptr) {
     telemetry_->arrivals.pop();
   }
-}
-
-bool ViewSession::rubs() const {
-  return hands_.size() == 1 && shows_friction(table());
 }
 
 bool ViewSession::holding() const {
@@ -335,7 +332,7 @@ ViewFrame ViewSession::frame() {
                                .slow_hz = options_.slow_hz,
                                .fast_hz = options_.fast_hz}};
   body_->show(hands_, frame);
-  if (rubs()) {
+  if (rubs_) {
     frame.friction =
         view_friction(friction_, database_, table().tool, search_, latest_.triangle);
   }

@@ -95,7 +95,6 @@ class ViewSession {
   void tick();
   void lift(std::size_t hand);
   [[nodiscard]] Eigen::Vector3d clear_of(std::size_t hand) const;
-  [[nodiscard]] bool rubs() const;
 
   const ResponseDatabase& database_;
   ViewSessionOptions options_;
@@ -111,6 +110,7 @@ class ViewSession {
   TickRecord latest_;
   std::vector<TickRecord> ticks_;
   FrictionTrail friction_;
+  bool rubs_ = false;  // what the page shows
   std::int64_t slow_updates_ = 0;
 };
 
