@@ -1,6 +1,7 @@
 #include "runtime/view/view_friction.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -15,15 +16,19 @@ namespace {
 // Part of the limit from which on a contact slips: a slip ends there but for rounding.
 constexpr double kSlips = 1.0 - 1e-6;
 
-bool rubs(const FrictionSpring& spring) {
-  return spring.n_per_m > 0.0;
+Eigen::Vector3d vector(const std::array<double, 3>& v) {
+  return Eigen::Vector3d(v.data());
 }
 
-const char* word(const FrictionSpring& spring) {
-  if (!rubs(spring)) {
+bool rubs(const FrictionSeen& seen) {
+  return seen.n_per_m > 0.0;
+}
+
+const char* word(const FrictionSeen& seen) {
+  if (!rubs(seen)) {
     return "free";
   }
-  return spring.force_n().norm() < kSlips * spring.limit_n ? "sticks" : "slips";
+  return vector(seen.force_n).norm() < kSlips * seen.limit_n ? "sticks" : "slips";
 }
 
 nlohmann::json vector_json(const Eigen::Vector3d& v) {
@@ -55,25 +60,25 @@ std::string vectors_text(const std::vector<RubbedTick>& ticks,
 }  // namespace
 
 void FrictionTrail::add(const FrictionSeen& seen) {
-  if (rubs(seen.spring)) {
-    const Eigen::Vector3d moved_m = seen.tool_m - last_.tool_m;
-    if (rubs(last_.spring)) {
-      slid_m_ += moved_m - moved_m.dot(last_.normal) * last_.normal;
+  if (rubs(seen)) {
+    const Eigen::Vector3d moved_m = vector(seen.tool_m) - vector(last_.tool_m);
+    const Eigen::Vector3d normal = vector(last_.normal);
+    if (rubs(last_)) {
+      slid_m_ += moved_m - moved_m.dot(normal) * normal;
     } else {
       slid_m_.setZero();
     }
     if (ticks_.size() == kTicksKept) {
       ticks_.erase(ticks_.begin());
     }
-    ticks_.push_back({.slid_m = slid_m_,
-                      .force_n = seen.spring.force_n(),
-                      .limit_n = seen.spring.limit_n});
+    ticks_.push_back(
+        {.slid_m = slid_m_, .force_n = vector(seen.force_n), .limit_n = seen.limit_n});
   }
   last_ = seen;
 }
 
 ViewFriction FrictionTrail::take() {
-  return {.spring = last_.spring, .ticks = std::exchange(ticks_, {})};
+  return {.now = last_, .anchor = {}, .ticks = std::exchange(ticks_, {})};
 }
 
 bool shows_friction(const ResponseTable& table) {
@@ -88,23 +93,23 @@ ViewFriction view_friction(FrictionTrail& trail, const ResponseDatabase& databas
                            const ToolShape& tool, const SurfaceSearch& search,
                            std::int32_t from) {
   ViewFriction friction = trail.take();
-  if (rubs(friction.spring)) {
+  const FrictionSeen& now = friction.now;
+  if (rubs(now)) {
     friction.anchor = view_contact(database, tool, search,
-                                   trail.tool_m() - friction.spring.stretch_m, from);
+                                   vector(now.tool_m) - vector(now.stretch_m), from);
   }
   return friction;
 }
 
 std::string friction_text(const ViewFriction& friction) {
-  const FrictionSpring& spring = friction.spring;
-  const bool any = rubs(spring);
-  std::string text = json_text(nlohmann::json{
-      {"state", word(spring)},
-      {"stretch_m", vector_json(any ? spring.stretch_m : Vector3::Zero())},
-      {"force_n", vector_json(any ? spring.force_n() : Vector3::Zero())},
-      {"limit_n", any ? spring.limit_n : 0.0},
-      {"n_per_m", spring.n_per_m},
-      {"anchor", anchor_json(friction.anchor)}});
+  const FrictionSeen& now = friction.now;
+  std::string text =
+      json_text(nlohmann::json{{"state", word(now)},
+                               {"stretch_m", now.stretch_m},
+                               {"force_n", now.force_n},
+                               {"limit_n", now.limit_n},
+                               {"n_per_m", now.n_per_m},
+                               {"anchor", anchor_json(friction.anchor)}});
   text.pop_back();
   text += ",\"trace\":{\"slid_m\":[" +
           vectors_text(friction.ticks, &RubbedTick::slid_m) + "],\"force_n\":[" +

@@ -27,7 +27,7 @@ struct RubbedTick {
 
 /// Friction as the latest tick of a frame left it.
 struct ViewFriction {
-  FrictionSpring spring;
+  FrictionSeen now;
   /// Where the contact stuck: the tool's place less the stretch. None: nothing rubs.
   std::optional<ViewContact> anchor;
   std::vector<RubbedTick> ticks;  ///< since the frame before, those that rub
@@ -41,8 +41,6 @@ class FrictionTrail {
   void add(const FrictionSeen& seen);
   /// What came since the last call, of ticks at most the kTicksKept latest.
   [[nodiscard]] ViewFriction take();
-  /// [m] of the latest tick.
-  [[nodiscard]] Eigen::Vector3d tool_m() const { return last_.tool_m; }
 
  private:
   FrictionSeen last_;

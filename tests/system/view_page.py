@@ -406,11 +406,13 @@ def friction(page, watcher, seen):
     settled(page)
     seen["sticks"] = in_a_frame(page, FRICTION)
     page.picture("friction_sticks")
+    seen["loops"] = []
     for keys in (7 * Keys.ARROW_RIGHT, 8 * Keys.ARROW_LEFT, 8 * Keys.ARROW_RIGHT):
         page.keys(keys)
         page.wait(lambda: in_a_frame(page, LAG) < 2e-3)
         settled(page)
-    page.wait(lambda: page.text("rubs") == "slips")
+        page.wait(lambda: page.text("rubs") == "slips")
+        seen["loops"].append(in_a_frame(page, "return window.palpate.friction.plot.loop;"))
     seen["slips"] = in_a_frame(page, FRICTION)
     page.picture("friction_loop")
     page.keys(Keys.ESCAPE)

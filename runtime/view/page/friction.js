@@ -1,9 +1,8 @@
 // A contact that rubs, beside the picture: whether it sticks or slips, and the loop of
 // lateral force against lateral displacement.
 import { PathPlot } from "/path_plot.js";
-import { colour } from "/plots.js";
+import { colour, kWindowS } from "/plots.js";
 
-const kSeconds = 6;      // of the loop that are shown
 const kStep = 0.02;      // between points, of the limit and of the stretch that reaches it
 const kNoneM = 1e-5;     // [m] a movement below it has no direction
 
@@ -66,7 +65,7 @@ export class LateralPlot extends PathPlot {
       this.add({ slid: slides[i], force: forces[i].map((v) => -v), time }, limit);
     });
     if (limits.length > 0) {
-      this.points = this.points.filter((point) => point.time > time - kSeconds);
+      this.points = this.points.filter((point) => point.time > time - kWindowS);
       this.axis = principalAxis(this.points.map((point) => point.slid)) ?? this.axis;
       this.fresh = true;
     }

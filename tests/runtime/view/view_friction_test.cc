@@ -149,7 +149,9 @@ TEST_P(ViewFrictionTest, AnotherContactBeginsAtNothing) {
 // What a tick moved along the normal is no slip.
 TEST(FrictionTrail, AddsUpWhatMovesInThePlane) {
   FrictionSeen seen;
-  seen.spring = {.n_per_m = 100.0, .stretch_m = {0.002, 0.0, 0.0}, .limit_n = 0.3};
+  seen.n_per_m = 100.0;
+  seen.limit_n = 0.3;
+  seen.force_n = {-0.2, 0.0, 0.0};
   seen.normal = {0.0, 0.6, 0.8};
   FrictionTrail trail;
   trail.add(seen);
@@ -166,7 +168,7 @@ TEST(FrictionTrail, AddsUpWhatMovesInThePlane) {
   EXPECT_TRUE(trail.take().ticks.empty());
   // At most the latest ones wait.
   for (std::size_t i = 0; i < kTicksKept + 3; ++i) {
-    seen.tool_m.x() += 1e-6;
+    seen.tool_m[0] += 1e-6;
     trail.add(seen);
   }
   const std::vector<RubbedTick> kept = trail.take().ticks;
@@ -213,7 +215,7 @@ TEST(ViewFriction, ARunShowsEveryTick) {
   const SimulationReport report = simulate(database, options, stop);
   int ticks = 0, pressed = 0;
   while (const FrictionSeen* seen = watch->front()) {
-    pressed += seen->spring.limit_n > 0.0 ? 1 : 0;
+    pressed += seen->limit_n > 0.0 ? 1 : 0;
     ++ticks;
     watch->pop();
   }

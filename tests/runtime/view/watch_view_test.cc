@@ -216,16 +216,18 @@ TEST_F(WatchViewTest, ShowsFriction) {
   view.frame();
   EXPECT_EQ(outbox_.frame[1]["friction"]["state"], "free");
   FrictionSeen seen;
+  seen.n_per_m = 100.0;
+  seen.limit_n = 0.2;
   seen.normal = {0.0, 0.0, 1.0};
   for (int i = 0; i < 3; ++i) {
     seen.tool_m = {0.001 * i, 0.0, 0.003};
-    seen.spring = {
-        .n_per_m = 100.0, .stretch_m = {0.001 * i, 0.0, 0.0}, .limit_n = 0.2};
+    seen.stretch_m = {0.001 * i, 0.0, 0.0};
+    seen.force_n = {-0.1 * i, 0.0, 0.0};
     ASSERT_TRUE(rubbed->push(seen));
   }
   view.frame();
   const nlohmann::json& friction = outbox_.frame[1]["friction"];
-  EXPECT_EQ(friction["state"], "slips");  // 100 N/m by 2 mm are 0.2 N
+  EXPECT_EQ(friction["state"], "slips");
   EXPECT_EQ(friction["trace"]["limit_n"].size(), 3U);
   EXPECT_EQ(friction["trace"]["slid_m"][6], 0.002);
   EXPECT_NEAR(friction["anchor"]["point_m"][0], 0.0, 1e-12);
