@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -17,6 +16,7 @@
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
 #include "formats/base/named_message.h"
+#include "formats/base/on_threads.h"
 #include "formats/base/stopwatch.h"
 
 namespace palpate {
@@ -183,32 +183,14 @@ BatchReport fit_session(const Session& session, unsigned threads,
   report.frame = session_frame(session);
   const FrameCompliance* frame = report.frame ? &report.frame->frame : nullptr;
   std::vector<std::vector<RunResult>> results(session.run.size());
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> done{0};
   std::mutex telling;
-  std::exception_ptr stopped;  // by progress
-  const auto work = [&] {
-    for (std::size_t i = next++; i < session.run.size(); i = next++) {
-      results[i] = fit_run(session, session.run[i], frame);
-      const std::size_t count = ++done;
-      const std::lock_guard<std::mutex> lock(telling);
-      try {
-        progress(count);
-      } catch (...) {
-        stopped = std::current_exception();
-        next = session.run.size();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (unsigned k = 1; k < threads; ++k) {
-      workers.emplace_back(work);
-    }
-    work();
-  }
-  if (stopped) {
-    std::rethrow_exception(stopped);
-  }
+  on_threads(threads, session.run.size(), [&](std::size_t i) {
+    results[i] = fit_run(session, session.run[i], frame);
+    const std::size_t count = ++done;
+    const std::lock_guard<std::mutex> lock(telling);
+    progress(count);
+  });
   for (std::vector<RunResult>& presses : results) {
     std::move(presses.begin(), presses.end(), std::back_inserter(report.runs));
   }

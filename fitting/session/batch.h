@@ -68,9 +68,9 @@ struct BatchReport {
   double seconds = 0.0;         ///< [s] wall time
 };
 
-/// @param threads at least 1. @param progress called now and then, from one thread at a
-/// time, with the number of files done. What `progress` throws ends the work, and comes
-/// out.
+/// @param threads 0: as many as there are processors. @param progress called now and
+/// then, from one thread at a time, with the number of files done. What `progress`
+/// throws ends the work, and comes out.
 /// @throws InputError as session_frame().
 [[nodiscard]] BatchReport fit_session(const Session& session, unsigned threads,
                                       const std::function<void(std::size_t)>& progress);

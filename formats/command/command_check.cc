@@ -36,7 +36,7 @@ void run_check(const CheckFlags& flags) {
       const ToolSummary summary = summarise(table);
       responses += summary.responses;
       falling += summary.falling;
-      if (const std::string doubts = doubts_of(table.puncture); !doubts.empty()) {
+      if (const std::string doubts = doubts_of_puncture(summary); !doubts.empty()) {
         notes.push_back(fmt::format("tool {}: {}", table.tool.name, doubts));
       }
     }

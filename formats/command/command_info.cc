@@ -100,7 +100,8 @@ Json compliance_json(const ComplianceTable& table) {
 }
 
 // Infinite forces and unknown toughness: nulls.
-Json puncture_json(const Puncture& puncture) {
+Json puncture_json(const ToolSummary& tool) {
+  const Puncture& puncture = tool.puncture;
   if (puncture.empty()) {
     return nullptr;
   }
@@ -108,29 +109,32 @@ Json puncture_json(const Puncture& puncture) {
   for (std::size_t m = 0; m < puncture.material.size(); ++m) {
     materials.push_back({{"name", puncture.material[m]},
                          {"membrane_n", puncture.membrane_n[m]},
+                         {"membrane_j", membrane_j_of(puncture, m)},
                          {"cutting_n", puncture.cutting_n[m]},
                          {"friction_n_per_m", puncture.friction_n_per_m[m]},
                          {"static_ratio", puncture.static_ratio[m]},
                          {"toughness_j_per_m2", puncture.toughness_j_per_m2[m]}});
   }
   const auto [low, high] = std::ranges::minmax(puncture.rupture);
-  return {{"text", describe(puncture)},
-          {"doubts", doubts_of(puncture)},
-          {"rule", puncture.rule},
-          {"rupture", {low, high}},
-          {"rupture_units", rupture_units(puncture)},
-          {"materials", materials},
-          {"edge_width_m", puncture.edge_width_m},
-          {"shaft_n_per_m", puncture.shaft_n_per_m},
-          {"lateral_n_per_m2", puncture.lateral_n_per_m2},
-          {"mouth_m", puncture.mouth_m}};
+  Json json{{"text", describe(puncture)},
+            {"doubts", doubts_of_puncture(tool)},
+            {"rule", puncture.rule},
+            {"rupture", {low, high}},
+            {"rupture_units", rupture_units(puncture)},
+            {"materials", materials}};
+  const auto add = [&json](const char* name, double number) {
+    json[name] = number;
+  };
+  for_each_puncture_number(puncture, add);
+  for_each_optional_puncture_number(puncture, add);
+  return json;
 }
 
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
           {"radius_m", tool.tool.radius_m},
-          {"description", describe(tool.tool)},
+          {"description", describe_tool(tool.tool, tool.puncture)},
           {"friction", tool.tool.friction},
           {"presliding_m", tool.tool.presliding_m},
           {"responses", tool.responses},
@@ -165,7 +169,7 @@ Json to_json(const ToolSummary& tool) {
           {"contacts", contacts_json(tool.tool)},
           {"compliance", compliance_json(tool.compliance)},
           {"contact", tool.contact},
-          {"puncture", puncture_json(tool.puncture)}};
+          {"puncture", puncture_json(tool)}};
 }
 
 // Of all nodes.
@@ -205,8 +209,8 @@ Json to_json(const DatabaseIndex& index) {
 
 void print(const ToolSummary& tool) {
   fmt::print("tool       {}: {}, friction {:.3g}, presliding {:.3g} mm\n",
-             printable(tool.tool.name), describe(tool.tool), tool.tool.friction,
-             1e3 * tool.tool.presliding_m);
+             printable(tool.tool.name), describe_tool(tool.tool, tool.puncture),
+             tool.tool.friction, 1e3 * tool.tool.presliding_m);
   fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
              tool.responses, tool.simulated, tool.interpolated, tool.measured);
   fmt::print(

@@ -150,8 +150,14 @@ std::string doubts_of_memory(const ToolSummary& tool) {
                      kCoarsestSites, radii < kFinestSites ? "little" : "much");
 }
 
-std::string describe_puncture(const ToolSummary& tool) {
+std::string doubts_of_puncture(const ToolSummary& tool) {
   const std::string doubts = doubts_of(tool.puncture);
+  const std::string deep = doubts_of_depth(tool.tool, tool.puncture, tool.depth_max_m);
+  return doubts + (doubts.empty() || deep.empty() ? "" : "; ") + deep;
+}
+
+std::string describe_puncture(const ToolSummary& tool) {
+  const std::string doubts = doubts_of_puncture(tool);
   return describe(tool.puncture) + (doubts.empty() ? "" : "; " + doubts);
 }
 

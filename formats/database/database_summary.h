@@ -64,6 +64,9 @@ struct ToolSummary {
 /// One line for people: what the tool punctures, and doubts of it; empty for nothing.
 [[nodiscard]] std::string describe_puncture(const ToolSummary& tool);
 
+/// Doubts alone, of its numbers and of the depth of its curves; empty without any.
+[[nodiscard]] std::string doubts_of_puncture(const ToolSummary& tool);
+
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
 
 /// The same from the index alone: no response is read.

@@ -8,12 +8,13 @@
 #include <fmt/format.h>
 
 #include "formats/base/lines.h"
+#include "formats/database/shape_layout.h"
 #include "formats/response/puncture.h"
 
 namespace palpate::content {
 
-/// Calls with(name, units, values) for every dataset but the text `material`. Names are
-/// relative to the group.
+/// Calls with(name, units, values) for every dataset but the text `material` and the
+/// optional `membrane_j`. Names are relative to the group.
 template <typename Rows, typename With>
 void for_each_puncture_dataset(Rows& puncture, const With& with) {
   with("/membrane_n", "N", puncture.membrane_n);
@@ -34,10 +35,12 @@ void exchange_puncture(File& file, const std::string& tool, Rows& puncture) {
     return;
   }
   file.attribute(group, "rule", puncture.rule);
-  file.attribute(group, "edge_width_m", puncture.edge_width_m);
-  file.attribute(group, "shaft_n_per_m", puncture.shaft_n_per_m);
-  file.attribute(group, "lateral_n_per_m2", puncture.lateral_n_per_m2);
-  file.attribute(group, "mouth_m", puncture.mouth_m);
+  for_each_puncture_number(puncture, [&](const char* name, auto& number) {
+    file.attribute(group, name, number);
+  });
+  for_each_optional_puncture_number(puncture, [&](const char* name, auto& number) {
+    exchange_number(file, group, name, number);
+  });
   if constexpr (File::kWrites) {
     file.text(group + "/material", join_lines(puncture.material));
   } else {
@@ -53,6 +56,9 @@ void exchange_puncture(File& file, const std::string& tool, Rows& puncture) {
       puncture, [&](const std::string& name, const char* units, auto& values) {
         file.dataset(group + name, units, values);
       });
+  if (file.optional_dataset(group + "/membrane_j", !puncture.membrane_j.empty())) {
+    file.dataset(group + "/membrane_j", "J", puncture.membrane_j);
+  }
 }
 
 }  // namespace palpate::content

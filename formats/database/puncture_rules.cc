@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -44,7 +45,7 @@ void check_names(const std::string& path, const std::vector<std::string>& names)
 struct MaterialRange {
   double low = 0.0;
   bool finite = false;
-  bool maybe_unknown = false;
+  bool may_be_unknown = false;
 };
 
 // A row per material.
@@ -55,13 +56,12 @@ void check_material_values(const std::string& path, const std::vector<double>& v
          materials);
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool unknown = range.maybe_unknown && std::isnan(values[i]);
+    const bool unknown = range.may_be_unknown && std::isnan(values[i]);
     const bool finite = !range.finite || values[i] <= kLargest;
     if (!unknown && !(values[i] >= range.low && finite)) {
-      fail("{}: row {} has {}, must be at least {}{}", path, i, values[i], range.low,
-           range.finite          ? " and finite"
-           : range.maybe_unknown ? " or not a number"
-                                 : "");
+      fail("{}: row {} has {}, must be at least {}{}{}", path, i, values[i], range.low,
+           range.finite ? " and finite" : "",
+           range.may_be_unknown ? " or not a number" : "");
     }
   }
 }
@@ -162,11 +162,20 @@ void check_puncture(const std::string& tool, const Puncture& puncture,
   check_material_values(group + "/static_ratio", puncture.static_ratio, materials,
                         {.low = 1.0, .finite = true});
   check_material_values(group + "/toughness_j_per_m2", puncture.toughness_j_per_m2,
-                        materials, {.maybe_unknown = true});
+                        materials, {.may_be_unknown = true});
+  if (!puncture.membrane_j.empty()) {
+    check_material_values(group + "/membrane_j", puncture.membrane_j, materials,
+                          {.finite = true, .may_be_unknown = true});
+  }
   check_tool_value(group, "edge_width_m", puncture.edge_width_m, false);
   check_tool_value(group, "shaft_n_per_m", puncture.shaft_n_per_m, true);
   check_tool_value(group, "lateral_n_per_m2", puncture.lateral_n_per_m2, false);
   check_tool_value(group, "mouth_m", puncture.mouth_m, true);
+  check_tool_value(group, "radius_m", puncture.radius_m, false);
+  check_tool_value(group, "insertable_m", puncture.insertable_m, false);
+  if (!(puncture.tip_angle_rad >= 0.0 && puncture.tip_angle_rad < std::numbers::pi)) {
+    fail("{}@tip_angle_rad is {}, must be in [0, pi)", group, puncture.tip_angle_rad);
+  }
   check_rupture(group + "/rupture", puncture, nodes);
   check_layers(group, puncture, nodes);
 }

@@ -163,11 +163,13 @@ WorkUnitNode node_of(const json& j) {
 json to_json(const Puncture& puncture) {
   json j{{"rule", puncture.rule},
          {"material", puncture.material},
-         {"edge_width_m", puncture.edge_width_m},
-         {"shaft_n_per_m", puncture.shaft_n_per_m},
-         {"lateral_n_per_m2", puncture.lateral_n_per_m2},
-         {"mouth_m", puncture.mouth_m},
+         {"membrane_j", puncture.membrane_j},
          {"layers", puncture.layer_depth_m.cols()}};
+  const auto keep = [&](const char* name, double number) {
+    j[name] = number;
+  };
+  for_each_puncture_number(puncture, keep);
+  for_each_optional_puncture_number(puncture, keep);
   content::for_each_puncture_dataset(
       puncture,
       [&](const std::string& name, const char* /*units*/, const auto& values) {
@@ -179,10 +181,13 @@ json to_json(const Puncture& puncture) {
 Puncture puncture_of(const json& j) {
   Puncture puncture{.rule = j.at("rule"),
                     .material = j.at("material").get<std::vector<std::string>>(),
-                    .edge_width_m = j.at("edge_width_m"),
-                    .shaft_n_per_m = j.at("shaft_n_per_m"),
-                    .lateral_n_per_m2 = j.at("lateral_n_per_m2"),
-                    .mouth_m = j.at("mouth_m")};
+                    .membrane_j = j.value("membrane_j", std::vector<double>{})};
+  for_each_puncture_number(puncture, [&](const char* name, double& number) {
+    number = j.at(name);
+  });
+  for_each_optional_puncture_number(puncture, [&](const char* name, double& number) {
+    number = j.value(name, 0.0);
+  });
   const auto columns = j.at("layers").get<Eigen::Index>();
   content::for_each_puncture_dataset(
       puncture, [&](const std::string& name, const char* /*units*/, auto& values) {

@@ -11,6 +11,8 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t kLeafTriangles = 4;
+constexpr double kNearer = 1e-9;    // [-] what may be rounding, of a distance
+constexpr double kNearerM = 1e-12;  // [m] and of coordinates
 constexpr std::size_t kStack = 64;  // median splits: depth <= log2(2^31)
 
 // Nearest point of edge (j, j+1), a share t of it from corner j.
@@ -42,6 +44,20 @@ SurfacePoint nearest_in_edges(const Eigen::Matrix3d& corner,
     }
   }
   return best;
+}
+
+// Whether all of a triangle lies further than distance_m along the unit vector
+// `toward`, by more than rounding. A plane across the way to the nearest point so far
+// has most of a surface behind it.
+bool is_behind(const SurfaceMesh& mesh, std::int32_t triangle,
+               const Eigen::Vector3d& p_m, const Eigen::Vector3d& toward,
+               double distance_m) noexcept {
+  double along_m = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d corner = mesh.position_m.row(mesh.triangle(triangle, j));
+    along_m = std::min(along_m, toward.dot(corner - p_m));
+  }
+  return along_m > distance_m * (1.0 + kNearer) + kNearerM;
 }
 
 }  // namespace
@@ -172,6 +188,7 @@ SurfacePoint SurfaceSearch::nearest(const Eigen::Vector3d& p_m) const noexcept {
   if (box_.empty() || !p_m.allFinite()) {
     return best;
   }
+  Eigen::Vector3d toward = Eigen::Vector3d::Zero();
   struct Open {
     std::int32_t box;
     double distance2;
@@ -188,9 +205,14 @@ SurfacePoint SurfaceSearch::nearest(const Eigen::Vector3d& p_m) const noexcept {
     }
     const Box& box = box_[at(top.box)];
     for (std::int32_t i = box.first; i < box.first + box.count; ++i) {
-      const SurfacePoint point = nearest_in(order_[at(i)], p_m);
+      const std::int32_t t = order_[at(i)];
+      if (is_behind(mesh_, t, p_m, toward, best.distance_m)) {
+        continue;
+      }
+      const SurfacePoint point = nearest_in(t, p_m);
       if (point.distance_m < best.distance_m) {
         best = point;
+        toward = (best.position_m - p_m) / best.distance_m;
       }
     }
     if (box.count == 0) {

@@ -244,20 +244,23 @@ Json rows_json(const Rows& values) {
 
 // What is infinite or not a number becomes null.
 Json to_json(const Puncture& puncture) {
-  return {{"rule", puncture.rule},
-          {"material", puncture.material},
-          {"membrane_n", puncture.membrane_n},
-          {"cutting_n", puncture.cutting_n},
-          {"friction_n_per_m", puncture.friction_n_per_m},
-          {"static_ratio", puncture.static_ratio},
-          {"toughness_j_per_m2", puncture.toughness_j_per_m2},
-          {"edge_width_m", puncture.edge_width_m},
-          {"shaft_n_per_m", puncture.shaft_n_per_m},
-          {"lateral_n_per_m2", puncture.lateral_n_per_m2},
-          {"mouth_m", puncture.mouth_m},
-          {rupture_column(puncture), puncture.rupture},
-          {"layer_depth_m", rows_json(puncture.layer_depth_m)},
-          {"layer_material", rows_json(puncture.layer_material)}};
+  Json json{{"rule", puncture.rule},
+            {"material", puncture.material},
+            {"membrane_n", puncture.membrane_n},
+            {"membrane_j", puncture.membrane_j},
+            {"cutting_n", puncture.cutting_n},
+            {"friction_n_per_m", puncture.friction_n_per_m},
+            {"static_ratio", puncture.static_ratio},
+            {"toughness_j_per_m2", puncture.toughness_j_per_m2},
+            {rupture_column(puncture), puncture.rupture},
+            {"layer_depth_m", rows_json(puncture.layer_depth_m)},
+            {"layer_material", rows_json(puncture.layer_material)}};
+  const auto add = [&json](const char* name, double number) {
+    json[name] = number;
+  };
+  for_each_puncture_number(puncture, add);
+  for_each_optional_puncture_number(puncture, add);
+  return json;
 }
 
 Json to_json(const Viscoelasticity& relaxation) {

@@ -76,7 +76,7 @@ std::string info(const ResponseDatabase& database) {
   nlohmann::ordered_json tools = nlohmann::ordered_json::array();
   for (const ResponseTable& table : database.tools) {
     tools.push_back({{"name", table.tool.name},
-                     {"description", describe(table.tool)},
+                     {"description", describe_tool(table.tool, table.puncture)},
                      {"depth_max_m", table.depth_max_m()},
                      {"tau_s", table.viscoelasticity.tau_s}});
   }
@@ -136,8 +136,9 @@ std::string tool_rows(const ResponseTable& table) {
   const ToolSummary all = summarise(table);
   std::string text =
       row(table.tool.name.empty() ? "tool" : markup_escaped(table.tool.name),
-          fmt::format("{}, friction {:.3g}, presliding {:.3g} mm", describe(table.tool),
-                      table.tool.friction, 1e3 * table.tool.presliding_m));
+          fmt::format("{}, friction {:.3g}, presliding {:.3g} mm",
+                      describe_tool(table.tool, table.puncture), table.tool.friction,
+                      1e3 * table.tool.presliding_m));
   text += row("responses", fmt::format("{}: {} simulated, {} interpolated, {} measured",
                                        all.responses, all.simulated, all.interpolated,
                                        all.measured));

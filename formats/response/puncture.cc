@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
+#include <numbers>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -36,12 +38,14 @@ Matrix matrix_rows(const Matrix& values, std::span<const std::int32_t> nodes) {
 
 std::string describe_material(const Puncture& puncture, std::size_t m) {
   const double membrane_n = puncture.membrane_n[m];
+  const double membrane_j = membrane_j_of(puncture, m);
   const double cutting_n = puncture.cutting_n[m];
   const std::string& name = puncture.material[m];
   if (std::isinf(cutting_n)) {
     return fmt::format("{} is not cut", name);
   }
-  const std::string membrane = std::isinf(membrane_n)
+  const std::string membrane = membrane_j >= 0.0 ? fmt::format("{:.3g} J", membrane_j)
+                               : std::isinf(membrane_n)
                                    ? "that nothing breaks"
                                    : fmt::format("{:.3g} N", membrane_n);
   return fmt::format(
@@ -74,11 +78,31 @@ std::int64_t weak_ruptures(const Puncture& puncture) {
   return weak;
 }
 
+// The ball that was pressed has the needle's own tip.
+bool is_its_ball(const ToolShape& tool, const Puncture& puncture) {
+  return tool.radius_m == puncture.radius_m && puncture.tip_angle_rad == 0.0;
+}
+
 void add_doubt(std::string& doubts, const std::string& doubt) {
   doubts += (doubts.empty() ? "" : "; ") + doubt;
 }
 
 }  // namespace
+
+std::vector<double> numbers_of(const Puncture& puncture) {
+  std::vector<double> numbers;
+  const auto add = [&](const char* /*name*/, double number) {
+    numbers.push_back(number);
+  };
+  for_each_puncture_number(puncture, add);
+  for_each_optional_puncture_number(puncture, add);
+  return numbers;
+}
+
+double membrane_j_of(const Puncture& puncture, std::size_t material) {
+  return puncture.membrane_j.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                     : puncture.membrane_j[material];
+}
 
 const char* rupture_units(const Puncture& puncture) noexcept {
   return puncture.rule == "energy" ? "J" : "N";
@@ -113,8 +137,7 @@ bool same(const Puncture& a, const Puncture& b) {
          same_numbers(a.friction_n_per_m, b.friction_n_per_m) &&
          same_numbers(a.static_ratio, b.static_ratio) &&
          same_numbers(a.toughness_j_per_m2, b.toughness_j_per_m2) &&
-         a.edge_width_m == b.edge_width_m && a.shaft_n_per_m == b.shaft_n_per_m &&
-         a.lateral_n_per_m2 == b.lateral_n_per_m2 && a.mouth_m == b.mouth_m &&
+         same_numbers(a.membrane_j, b.membrane_j) && numbers_of(a) == numbers_of(b) &&
          same_numbers(a.rupture, b.rupture) &&
          same_shape(a.layer_depth_m, b.layer_depth_m) &&
          same_numbers(flat_span(a.layer_depth_m), flat_span(b.layer_depth_m)) &&
@@ -131,11 +154,36 @@ double last_layer_m(const Puncture& puncture, std::int64_t node) {
       break;
     }
     last_m = puncture.layer_depth_m(row, k);
-    if (std::isinf(puncture.membrane_n[static_cast<std::size_t>(material)])) {
+    const auto m = static_cast<std::size_t>(material);
+    if (std::isinf(puncture.membrane_n[m]) && std::isnan(membrane_j_of(puncture, m))) {
       break;
     }
   }
   return last_m;
+}
+
+std::string describe_tool(const ToolShape& tool, const Puncture& puncture) {
+  if (puncture.empty() || !(puncture.radius_m > 0.0)) {
+    return describe(tool);
+  }
+  std::string text = fmt::format("needle of radius {:.4g} mm", 1e3 * puncture.radius_m);
+  if (puncture.tip_angle_rad > 0.0) {
+    text += fmt::format(", tip angle {:.4g} deg",
+                        puncture.tip_angle_rad * 180.0 / std::numbers::pi);
+  }
+  return is_its_ball(tool, puncture) ? text : text + ", pressed as " + describe(tool);
+}
+
+std::string doubts_of_depth(const ToolShape& tool, const Puncture& puncture,
+                            double depth_m) {
+  const double radii = puncture.radius_m > 0.0 ? depth_m / puncture.radius_m : 0.0;
+  if (is_its_ball(tool, puncture) || !(radii > kComparedRadii)) {
+    return {};
+  }
+  return fmt::format(
+      "its curve goes {:.3g} radii deep, {:.3g} beyond the {:.0f} down "
+      "to which such curves were compared with presses of a tip",
+      radii, radii - kComparedRadii, kComparedRadii);
 }
 
 std::string describe(const Puncture& puncture) {
@@ -169,7 +217,8 @@ std::string doubts_of(const Puncture& puncture) {
     }
     const double membrane_n = puncture.membrane_n[m];
     const double cutting_n = puncture.cutting_n[m];
-    if (membrane_n > 0.0 && membrane_n < cutting_n) {
+    if (membrane_n > 0.0 && membrane_n < cutting_n &&
+        std::isnan(membrane_j_of(puncture, m))) {
       add_doubt(doubts, fmt::format("the membrane of {} bears {:.3g} N, less than its "
                                     "cutting force {:.3g} N",
                                     name, membrane_n, cutting_n));

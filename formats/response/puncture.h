@@ -7,6 +7,7 @@
 // layer.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/response/tool_shape.h"
 #include "formats/response/viscoelasticity.h"
 
 namespace palpate {
@@ -35,11 +37,18 @@ struct Puncture {
   std::vector<double> friction_n_per_m = {};    ///< [N/m] >= 0, kinetic
   std::vector<double> static_ratio = {};        ///< [-] >= 1 static over kinetic
   std::vector<double> toughness_j_per_m2 = {};  ///< [J/m^2] >= 0 J; NaN: not known
+  /// [J] >= 0 that breaks it below the surface, instead; NaN: membrane_n does. Empty:
+  /// NaN for all.
+  std::vector<double> membrane_j = {};
   // Of the tool.
   double edge_width_m = 0.0;      ///< [m] >= 0 w; 0: not known
   double shaft_n_per_m = 0.0;     ///< [N/m] > 0 along the shaft before it slips
   double lateral_n_per_m2 = 0.0;  ///< [N/m^2] >= 0 across, per inserted length
   double mouth_m = 0.0;           ///< [m] > 0 from a channel's axis: found again there
+  double radius_m = 0.0;          ///< [m] >= 0 of the shaft; 0: not known
+  double tip_angle_rad = 0.0;     ///< [rad] [0, pi) full; 0: a hemisphere, or not known
+  /// [m] >= 0 of the shaft in the body, at most, below any node; 0: not known.
+  double insertable_m = 0.0;
   // Of the nodes: a row for all alike, or (n).
   std::vector<double> rupture = {};          ///< [N] or [J] >= 0, as the rule says
   RowsOf<double> layer_depth_m = {};         ///< (n x K) [m] first 0, rising; NaN: none
@@ -47,6 +56,29 @@ struct Puncture {
 
   [[nodiscard]] bool empty() const noexcept { return material.empty(); }
 };
+
+/// Calls with(name, number) for the numbers of the tool that each file has.
+template <typename Rows, typename With>
+void for_each_puncture_number(Rows& puncture, const With& with) {
+  with("edge_width_m", puncture.edge_width_m);
+  with("shaft_n_per_m", puncture.shaft_n_per_m);
+  with("lateral_n_per_m2", puncture.lateral_n_per_m2);
+  with("mouth_m", puncture.mouth_m);
+}
+
+/// The same for those that files lack where they are 0.
+template <typename Rows, typename With>
+void for_each_optional_puncture_number(Rows& puncture, const With& with) {
+  with("radius_m", puncture.radius_m);
+  with("tip_angle_rad", puncture.tip_angle_rad);
+  with("insertable_m", puncture.insertable_m);
+}
+
+/// The numbers of both, in their order.
+[[nodiscard]] std::vector<double> numbers_of(const Puncture& puncture);
+
+/// [J] that breaks a material's membrane below the surface; NaN: membrane_n does.
+[[nodiscard]] double membrane_j_of(const Puncture& puncture, std::size_t material);
 
 /// The unit of `rupture` as files name it: "J" by the rule "energy", else "N".
 [[nodiscard]] const char* rupture_units(const Puncture& puncture) noexcept;
@@ -65,6 +97,22 @@ struct Puncture {
 /// [m] where the last layer that a needle gets to begins below a node; nothing enters a
 /// membrane that never breaks. @param node row of the whole.
 [[nodiscard]] double last_layer_m(const Puncture& puncture, std::int64_t node);
+
+/// A tool in a few words: "needle of radius 0.75 mm, pressed as sphere of radius 3 mm".
+/// That of the shape where it is no needle, or its radius is not known.
+[[nodiscard]] std::string describe_tool(const ToolShape& tool,
+                                        const Puncture& puncture);
+
+/// [-] Depth over radius beyond which no needle's curve that was made of a larger
+/// ball's was compared (precompute/press/needle_curve.h). The force of a soft solid
+/// then grows with the square of the depth (Shojaeifard and Bacca 2025). That of the
+/// linear half-space grows with the depth.
+inline constexpr double kComparedRadii = 4.0;
+
+/// How deep such a curve goes beyond that, in a sentence's end; else empty.
+/// @param depth_m [m] >= 0 its largest depth.
+[[nodiscard]] std::string doubts_of_depth(const ToolShape& tool,
+                                          const Puncture& puncture, double depth_m);
 
 /// One line for people: what is broken, cut and rubbed against; empty for nothing.
 [[nodiscard]] std::string describe(const Puncture& puncture);

@@ -78,17 +78,23 @@ struct ScenePuncture {
   std::optional<double> friction_n_per_m = {};  ///< [N/m] [0, inf)
   // What breaks its boundary; none: the cutting force does.
   std::optional<double> membrane_n = {};  ///< [N] [0, inf)
-  std::optional<double> membrane_j = {};  ///< [J] [0, inf) at the skin alone
+  std::optional<double> membrane_j = {};  ///< [J] [0, inf)
 };
 
 /// A needle, pressed as a ball until it punctures.
 struct SceneNeedle {
   double radius_m = 0.0;        ///< [m] (0, inf) of the shaft
+  double tip_angle_rad = 0.0;   ///< [rad] (0, pi) full, of a cone; 0: a hemisphere
   double edge_width_m = 0.0;    ///< [m] (0, inf) width of the crack
   double press_radius_m = 0.0;  ///< [m] (0, inf) of the ball that is pressed
   double shaft_n_per_m = 0.0;   ///< [N/m] before the shaft slips; 0: by the material
   std::optional<double> lateral_n_per_m2 = {};  ///< [N/m^2]; none: by the material
   double mouth_m = 0.0;                         ///< [m] (0, inf)
+
+  /// The ball that is pressed has the needle's own tip.
+  [[nodiscard]] bool is_its_ball() const noexcept {
+    return press_radius_m == radius_m && tip_angle_rad == 0.0;
+  }
 };
 
 /// What a law does not have stays 0. Moduli are instantaneous ones.

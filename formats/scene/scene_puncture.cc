@@ -16,6 +16,11 @@ constexpr NumberRule kAtLeastOne{[](double v) {
                                    return v >= 1.0;
                                  },
                                  "at least 1"};
+// At 115 degrees a cone that ends in a shaft is as stiff as a hemisphere deep down.
+constexpr NumberRule kTipAngle{[](double v) {
+                                 return v > 0.0 && v <= 110.0;
+                               },
+                               "above 0 and at most 110"};
 
 }  // namespace
 
@@ -56,6 +61,10 @@ SceneNeedle read_needle(const SceneSection& section) {
   if (needle.press_radius_m < needle.radius_m) {
     section.fail("press_radius_m is {} m, must be at least radius_m, {} m",
                  needle.press_radius_m, needle.radius_m);
+  }
+  if (section.find("tip_angle_deg") != nullptr) {
+    needle.tip_angle_rad =
+        section.number("tip_angle_deg", kTipAngle) * std::numbers::pi / 180.0;
   }
   needle.mouth_m = needle.radius_m;
   if (section.find("puncture") != nullptr) {

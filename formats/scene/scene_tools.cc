@@ -16,9 +16,10 @@ constexpr std::string_view kToolKeys[] = {
     "name",         "shape",      "radius_m",     "edge_radius_m",  "half_angle_deg",
     "tip_radius_m", "length_m",   "mesh",         "length_unit",    "axis",
     "contact",      "friction",   "presliding_m", "plastic",        "damage",
-    "centre_m",     "compliance", "edge_width_m", "press_radius_m", "puncture"};
+    "centre_m",     "compliance", "edge_width_m", "press_radius_m", "puncture",
+    "tip_angle_deg"};
 constexpr std::string_view kNeedle = "needle";
-constexpr std::string_view kNeedleKeys[] = {"radius_m", "edge_width_m",
+constexpr std::string_view kNeedleKeys[] = {"radius_m", "tip_angle_deg", "edge_width_m",
                                             "press_radius_m", "puncture"};
 constexpr std::string_view kSpheres = "spheres";
 constexpr std::string_view kShapes[] = {"sphere",  "spheres", "flat-punch", "cone",

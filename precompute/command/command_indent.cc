@@ -164,8 +164,7 @@ void print_needle_note(const Scene& scene, const BodySource& body,
                        const ToolSurface& tool) {
   for (std::size_t t = 0; t < scene.tool_needle.size(); ++t) {
     const auto& needle = scene.tool_needle[t];
-    if (needle && body.tool[t].get() == &tool &&
-        needle->press_radius_m > needle->radius_m) {
+    if (needle && body.tool[t].get() == &tool && !needle->is_its_ball()) {
       fmt::print(
           "note: this is the ball of {:.4g} mm that is pressed; a build makes the "
           "curve "

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
 #include "formats/base/reproducible.h"
+#include "formats/response/puncture.h"
 #include "precompute/material/material.h"
 #include "precompute/press/node_yielding.h"
 
@@ -15,15 +17,24 @@ namespace {
 // Below the surface of a vertex [m], to be in its tissue.
 constexpr double kBelowM = 1e-5;
 
+// E / (1 - nu^2)
+double plane_modulus_pa(const TipTissue& tissue) {
+  return tissue.youngs_modulus_pa /
+         (1.0 - tissue.poissons_ratio * tissue.poissons_ratio);
+}
+
+double tip_depth_m(const TipTissue& tissue, const NeedleTip& tip, double force_n) {
+  return tip.half_angle_rad > 0.0 ? linear_cone_depth_m(tissue, tip, force_n)
+                                  : linear_tip_depth_m(tissue, tip.radius_m, force_n);
+}
+
 }  // namespace
 
 double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force_n) {
   if (!(force_n > 0.0)) {
     return 0.0;
   }
-  const double plane_pa =
-      tissue.youngs_modulus_pa / (1.0 - tissue.poissons_ratio * tissue.poissons_ratio);
-  const double wanted = force_n / (plane_pa * radius_m * radius_m);
+  const double wanted = force_n / (plane_modulus_pa(tissue) * radius_m * radius_m);
   // (1 + tanh^2 t) t - tanh t is (4/3) t^3 for small t and 2 t - 1 for large t. It is
   // convex, and Newton from above falls to the root.
   double t = std::max(reproducible::cbrt(0.75 * wanted), 0.5 * (wanted + 1.0));
@@ -39,9 +50,24 @@ double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force
   return radius_m * t * reproducible::tanh(t);
 }
 
-void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonlinear,
+double linear_cone_depth_m(const TipTissue& tissue, const NeedleTip& tip,
+                           double force_n) {
+  if (!(force_n > 0.0)) {
+    return 0.0;
+  }
+  constexpr double kPi = std::numbers::pi;
+  const double plane_pa = plane_modulus_pa(tissue);
+  const double tangent = reproducible::tan(tip.half_angle_rad);
+  const double full_n = 0.5 * kPi * plane_pa * tip.radius_m * tip.radius_m / tangent;
+  const double cone_m =
+      std::sqrt(0.5 * kPi * std::min(force_n, full_n) / (plane_pa * tangent));
+  return cone_m + std::max(0.0, force_n - full_n) / (2.0 * plane_pa * tip.radius_m);
+}
+
+void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
              NodeResponse& response) {
-  if (response.depth_m.empty() || radius_m == ball_m) {
+  if (response.depth_m.empty() ||
+      (tip.radius_m == ball_m && tip.half_angle_rad == 0.0)) {
     return;
   }
   const double ball_end_m = response.depth_m.back();
@@ -50,7 +76,7 @@ void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonli
   for (std::size_t k = 0; k < response.depth_m.size(); ++k) {
     // Where the force falls, the tip has lost a part of its contact: it stays sunk in.
     more_m =
-        std::max(more_m, linear_tip_depth_m(tissue, radius_m, response.force_n[k]) -
+        std::max(more_m, tip_depth_m(tissue, tip, response.force_n[k]) -
                              linear_tip_depth_m(tissue, ball_m, response.force_n[k]));
     response.depth_m[k] += more_m;
     if (response.depth_m[k] > 0.0) {
@@ -60,16 +86,14 @@ void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonli
   if (response.tilt) {
     response.tilt->by_depth_per_m *= ball_end_m / response.depth_m.back();
   }
-  response.error_relative =
-      std::hypot(response.error_relative,
-                 (nonlinear ? kNonlinearSharpenError : kSharpenError) * part);
+  response.error_relative = std::hypot(response.error_relative, kSharpenError * part);
 }
 
 std::vector<std::string> needle_notes(const Scene& scene) {
   std::vector<std::string> notes;
   for (std::size_t t = 0; t < scene.tool_needle.size(); ++t) {
     const auto& needle = scene.tool_needle[t];
-    if (needle && needle->press_radius_m > needle->radius_m &&
+    if (needle && !needle->is_its_ball() &&
         scene.reach.depth_max_m > kComparedRadii * needle->radius_m) {
       notes.push_back(fmt::format(
           "needle \"{}\": below {:.3g} mm, {:.0f} radii, its curve was compared with "

@@ -7,7 +7,8 @@
 //
 //   D(F) = D_ball(F) + h(F; R) - h(F; R_ball)
 //
-// h is the depth at which a half-space bears F under a shaft with a hemispherical tip.
+// h is the depth at which a half-space bears F under the shaft: with a hemispherical
+// tip, or with a conical one.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,13 @@ struct TipTissue {
   double poissons_ratio = 0.0;     ///< [-] (-1, 0.5]
 };
 
+/// The end of a needle's shaft.
+struct NeedleTip {
+  double radius_m = 0.0;  ///< [m] > 0 of the shaft
+  /// [rad] (0, pi/2) between axis and flank of a cone; 0: the tip is a hemisphere.
+  double half_angle_rad = 0.0;
+};
+
 /// h [m] by linear elasticity: an exact sphere (Sneddon 1965, equations 6.9 and 6.10).
 /// With the contact's radius a = R tanh t,
 ///
@@ -36,22 +44,29 @@ struct TipTissue {
 [[nodiscard]] double linear_tip_depth_m(const TipTissue& tissue, double radius_m,
                                         double force_n);
 
-/// [-] The error of the force over the difference of depths by the depth, for linear
-/// presses and for nonlinear ones, whose h is not linear. Measured against presses of
-/// the small ball itself, down to kComparedRadii (tests/bench/needle_curve).
-inline constexpr double kSharpenError = 0.4;
-inline constexpr double kNonlinearSharpenError = 1.0;
+/// h [m] of a cone of half-angle alpha that ends in a shaft of radius R, by linear
+/// elasticity (Sneddon 1965, cone and flat punch). It is a cone's until the contact's
+/// radius a = (2/pi) h tan alpha reaches R. From there on the contact cannot widen, and
+/// deepens as under a flat punch:
+///
+///   F = (2/pi) E / (1 - nu^2) tan alpha h^2   up to F_R = (pi/2) E / (1 - nu^2) R^2
+///                                             / tan alpha
+///   dF/dh = 2 E R / (1 - nu^2)                beyond
+///
+/// Force and slope are continuous at F_R. The shaft's side bears nothing.
+/// @param tip with an angle. @param force_n [N] >= 0.
+[[nodiscard]] double linear_cone_depth_m(const TipTissue& tissue, const NeedleTip& tip,
+                                         double force_n);
 
-/// [-] Depth over radius beyond which nothing was compared. The force of a soft solid
-/// then grows with the square of the depth (Shojaeifard and Bacca 2025), that of h with
-/// the depth.
-inline constexpr double kComparedRadii = 4.0;
+/// [-] The error of the force over the difference of depths by the depth. Found against
+/// presses of small balls themselves (tests/bench/needle_curve, --coverage). Most need
+/// a quarter of it. Stiff skins that are thinner than the tip's radius need all of it.
+inline constexpr double kSharpenError = 1.2;
 
 /// Makes a needle's response of that of its ball: forces stay, depths grow. The tilt
 /// stays at each force. The error grows by kSharpenError.
-/// @param response of a ball of `ball_m`. @param radius_m [m] (0, ball_m].
-/// @param nonlinear the ball was pressed so.
-void sharpen(const TipTissue& tissue, double radius_m, double ball_m, bool nonlinear,
+/// @param response of a ball of `ball_m`. @param tip no wider than the ball.
+void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
              NodeResponse& response);
 
 /// A sentence for each needle that a scene presses deeper than was compared.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -20,6 +21,7 @@ namespace palpate {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 // A layer thinner than this is none [m].
 constexpr double kThinnestM = 1e-5;
 // Length of shaft whose grip stands for the spring along it [m].
@@ -49,6 +51,7 @@ void add_crossings(const SurfaceMesh& surface, const Eigen::Vector3d& from,
 struct NodeLayers {
   std::vector<double> depth_m;
   std::vector<std::int32_t> region;
+  double end_m = kInfinite;  // of the body
 };
 
 // Regions along the axis, each from where it begins, as far as the body goes.
@@ -86,6 +89,7 @@ NodeLayers layers_below(const BodySource& body, const Eigen::Vector3d& node_m,
   if (below.region.empty()) {
     below = {{0.0}, {region_of(body, node_m)}};
   }
+  below.end_m = end_m;
   return below;
 }
 
@@ -118,10 +122,11 @@ void add_material(const SceneMaterial& material, const SceneNeedle& needle,
   all.cutting_n.push_back(cutting_n);
   all.membrane_n.push_back(puncture ? puncture->membrane_n.value_or(cutting_n)
                                     : kInfinite);
+  all.membrane_j.push_back(puncture ? puncture->membrane_j.value_or(kNotKnown)
+                                    : kNotKnown);
   all.friction_n_per_m.push_back(puncture ? friction_n_per_m(*puncture, needle) : 0.0);
   all.static_ratio.push_back(puncture ? puncture->static_ratio : 1.0);
-  all.toughness_j_per_m2.push_back(puncture ? puncture->toughness_j_per_m2
-                                            : std::numeric_limits<double>::quiet_NaN());
+  all.toughness_j_per_m2.push_back(puncture ? puncture->toughness_j_per_m2 : kNotKnown);
 }
 
 // Row of a region's material, added if it is new.
@@ -159,6 +164,30 @@ void set_springs(const BodySource& body, const SceneNeedle& needle, Puncture& al
   all.mouth_m = needle.mouth_m;
 }
 
+// Length of shaft that a node's axis has room for.
+double insertable_m(const Puncture& all, const NodeLayers& node, Eigen::Index v) {
+  for (std::size_t k = 0; k < node.depth_m.size(); ++k) {
+    const auto m =
+        static_cast<std::size_t>(all.layer_material(v, static_cast<Eigen::Index>(k)));
+    if (std::isinf(all.cutting_n[m])) {
+      return node.depth_m[k];
+    }
+  }
+  return node.end_m;
+}
+
+// The longest of the nodes that the needle can reach. An axis that numbers let slip
+// between two triangles has no end, and does not count.
+double insertable_m(const Puncture& all, std::span<const NodeLayers> nodes,
+                    std::span<const std::int32_t> reachable) {
+  double most_m = 0.0;
+  for (const std::int32_t v : reachable) {
+    const double length_m = insertable_m(all, nodes[static_cast<std::size_t>(v)], v);
+    most_m = std::isfinite(length_m) ? std::max(most_m, length_m) : most_m;
+  }
+  return most_m;
+}
+
 Puncture punctured(const Scene& scene, const BodySource& body,
                    const SceneNeedle& needle, const std::string& tool) {
   Puncture all;
@@ -172,8 +201,7 @@ Puncture punctured(const Scene& scene, const BodySource& body,
         nodes.back().depth_m.size(), static_cast<std::size_t>(kMostPunctureLayers)));
     most = std::max(most, nodes.back().depth_m.size());
   }
-  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most),
-                                std::numeric_limits<double>::quiet_NaN());
+  all.layer_depth_m.setConstant(n, static_cast<Eigen::Index>(most), kNotKnown);
   all.layer_material.setConstant(n, static_cast<Eigen::Index>(most), -1);
   std::size_t by_energy = 0;
   for (Eigen::Index v = 0; v < n; ++v) {
@@ -201,7 +229,15 @@ Puncture punctured(const Scene& scene, const BodySource& body,
                     all.material.size(), kMostPunctureMaterials));
   }
   all.rule = by_energy > 0 ? "energy" : "force";
+  if (std::ranges::all_of(all.membrane_j, [](double j) {
+        return std::isnan(j);
+      })) {
+    all.membrane_j.clear();
+  }
   set_springs(body, needle, all);
+  all.radius_m = needle.radius_m;
+  all.tip_angle_rad = needle.tip_angle_rad;
+  all.insertable_m = insertable_m(all, nodes, reachable_vertices(scene, body));
   return all;
 }
 

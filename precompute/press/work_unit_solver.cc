@@ -160,8 +160,9 @@ void sharpen_needles(const Scene& scene, const BodySource& body,
       continue;
     }
     if (const auto& needle = scene.tool_needle[tool]) {
-      sharpen(tissue_at(body, node.vertex), needle->radius_m, needle->press_radius_m,
-              is_nonlinear(scene, body), node.response);
+      sharpen(tissue_at(body, node.vertex),
+              {needle->radius_m, 0.5 * needle->tip_angle_rad}, needle->press_radius_m,
+              node.response);
       node.response.contact = {};  // it was the ball's
       fail_if_broken(node);
     }

@@ -11,7 +11,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -231,7 +230,6 @@ py::object fit_all(const std::filesystem::path& file, const std::string& cycle,
   {
     const py::gil_scoped_release released;
     const Session session = session_of(file, cycle);
-    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
     const auto tell = [&](std::size_t done) {
       const py::gil_scoped_acquire acquired;
       if (PyErr_CheckSignals() != 0) {  // in the main thread, which fits too
@@ -241,8 +239,7 @@ py::object fit_all(const std::filesystem::path& file, const std::string& cycle,
         progress(done, session.run.size());
       }
     };
-    report =
-        batch_json(session, fit_session(session, threads == 0 ? cores : threads, tell));
+    report = batch_json(session, fit_session(session, threads, tell));
   }
   return loads(report);
 }

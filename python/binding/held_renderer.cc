@@ -71,7 +71,24 @@ std::string HeldRenderer::why_faulted(std::uint8_t fault) const {
          "steps no faster than real time";
 }
 
+void HeldRenderer::refuse_stepped() const {
+  if (stepped_) {
+    throw InputError("step_many() steps the renderer in another thread: wait for it");
+  }
+}
+
+void HeldRenderer::begin_steps() {
+  if (stepped_.exchange(true)) {
+    throw InputError("step_many() steps the renderer in another thread: wait for it");
+  }
+}
+
 const HostTick& HeldRenderer::step(std::span<const HostSample> samples) {
+  refuse_stepped();
+  return tick(samples);
+}
+
+const HostTick& HeldRenderer::tick(std::span<const HostSample> samples) {
   latest_ = tool_->step(samples);
   if (latest_.command.fault != 0) {
     refuse_other_process();
@@ -81,6 +98,7 @@ const HostTick& HeldRenderer::step(std::span<const HostSample> samples) {
 }
 
 std::vector<BodyContact> HeldRenderer::contacts() const {
+  refuse_stepped();
   std::vector<BodyContact> all;
   for (int i = 0; i < tool_->contacts(); ++i) {
     all.push_back(tool_->contact_at(i));
@@ -94,6 +112,7 @@ GrownQuality HeldRenderer::answer() const {
 }
 
 void HeldRenderer::delivered(const PortWrenches& made) {
+  refuse_stepped();
   if (!tool_->delivered(made)) {
     throw InputError("delivered: force and torque must be finite");
   }
@@ -101,6 +120,7 @@ void HeldRenderer::delivered(const PortWrenches& made) {
 
 void HeldRenderer::place(const Eigen::Vector3d& origin_m,
                          const Eigen::Vector4d& quaternion) {
+  refuse_stepped();
   if (!body_->placement().place(origin_m, quaternion)) {
     throw InputError(
         "place: position must be finite, orientation a quaternion other than 0");
@@ -108,11 +128,13 @@ void HeldRenderer::place(const Eigen::Vector3d& origin_m,
 }
 
 void HeldRenderer::reset() {
+  refuse_stepped();
   tool_->reset();
   latest_ = HostTick{};
 }
 
 void HeldRenderer::refuse_running() const {
+  refuse_stepped();
   if (runs()) {
     throw InputError("the slow thread runs: stop() it first");
   }

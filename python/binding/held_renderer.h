@@ -3,6 +3,7 @@
 
 #include "python/binding/held_database.h"
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -27,7 +28,8 @@ class RenderingFault : public Error {
 };
 
 /// Steps, resets and what they tell are called under Python's lock, one at a time; slow
-/// steps and the slow thread go on without it.
+/// steps and the slow thread go on without it. So do the ticks between begin_steps()
+/// and end_steps(): meanwhile all else but slow steps is refused by an InputError.
 class HeldRenderer {
  public:
   /// Lives with the database. @param second tool of a second hand that presses the body
@@ -49,6 +51,13 @@ class HeldRenderer {
   /// reset().
   const HostTick& step(std::span<const HostSample> samples);
 
+  /// @throws InputError between two such calls already.
+  void begin_steps();
+  void end_steps() noexcept { stepped_ = false; }
+
+  /// step() between begin_steps() and end_steps(), without Python's lock.
+  const HostTick& tick(std::span<const HostSample> samples);
+
   [[nodiscard]] std::size_t hands() const noexcept { return tool_->hands(); }
   /// What the latest tick asked for.
   [[nodiscard]] const PortWrenches& wanted() const noexcept { return tool_->wanted(); }
@@ -65,8 +74,12 @@ class HeldRenderer {
   }
 
   /// As HostTool has them.
-  [[nodiscard]] NeedleSeen needle() const noexcept { return tool_->needle(); }
-  [[nodiscard]] Channel channel_at(std::int32_t i) const noexcept {
+  [[nodiscard]] NeedleSeen needle() const {
+    refuse_stepped();
+    return tool_->needle();
+  }
+  [[nodiscard]] Channel channel_at(std::int32_t i) const {
+    refuse_stepped();
     return tool_->channel_at(i);
   }
 
@@ -86,7 +99,10 @@ class HeldRenderer {
   void stop();
   [[nodiscard]] bool runs() const;
 
-  [[nodiscard]] const HostTick& latest() const noexcept { return latest_; }
+  [[nodiscard]] const HostTick& latest() const {
+    refuse_stepped();
+    return latest_;
+  }
   [[nodiscard]] const HostBody& body() const noexcept { return *body_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
   /// What the place that was stepped to last answers with; of a database final.
@@ -96,6 +112,7 @@ class HeldRenderer {
   HeldRenderer(std::unique_ptr<HostBody> body,
                const std::optional<std::string>& second);
   void refuse_other_process() const;
+  void refuse_stepped() const;
   void refuse_running() const;
   [[nodiscard]] std::string why_faulted(std::uint8_t fault) const;
 
@@ -103,6 +120,7 @@ class HeldRenderer {
   HostTool* tool_ = nullptr;
   double force_scale_ = 1.0;
   HostTick latest_;
+  std::atomic<bool> stepped_{false};
   mutable std::mutex slow_;  // starting, ending, stepping: one at a time
   pid_t process_;
 };

@@ -26,4 +26,5 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::bind_measurement(module);
   palpate::bind_fit(module);
   palpate::bind_renderer(module);
+  palpate::bind_batch(module);
 }

@@ -15,7 +15,7 @@ namespace {
 
 NeedleSeen needle_in(const HeldRenderer& renderer) {
   const NeedleSeen seen = renderer.needle();
-  if (seen.state == nullptr) {
+  if (!seen.punctures) {
     throw InputError(kNoNeedle);
   }
   return seen;
@@ -25,22 +25,22 @@ py::dict needle_of(const HeldRenderer& renderer) {
   const NeedleSeen seen = needle_in(renderer);
   py::dict all;
   all["channel"] =
-      seen.state->active < 0 ? py::object(py::none()) : py::int_(seen.state->active);
-  all["broken"] = seen.state->broken;
-  all["refused"] = seen.state->refused;
+      seen.state.active < 0 ? py::object(py::none()) : py::int_(seen.state.active);
+  all["broken"] = seen.state.broken;
+  all["refused"] = seen.state.refused;
   all["tip_m"] = seen.tip_m;
   all["inserted_m"] = seen.inserted_m;
   all["tip_n"] = seen.tip_n;
   all["shaft_n"] = seen.shaft_n;
   all["lateral_n"] = py::array_t<double>(3, seen.lateral_n.data());
-  all["cut_j"] = seen.state->crack_j;
-  all["released_j"] = seen.state->released_j;
-  all["shaft_j"] = seen.state->shaft_j;
+  all["cut_j"] = seen.state.crack_j;
+  all["released_j"] = seen.state.released_j;
+  all["shaft_j"] = seen.state.shaft_j;
   return all;
 }
 
 py::dict channels_of(const HeldRenderer& renderer) {
-  const py::ssize_t count = needle_in(renderer).state->channels;
+  const py::ssize_t count = needle_in(renderer).state.channels;
   py::array_t<double> entry_m({count, py::ssize_t{3}}), axis({count, py::ssize_t{3}});
   py::array_t<double> depth_m(count), boundary_m(count);
   py::array_t<std::int32_t> layer(count);

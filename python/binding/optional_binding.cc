@@ -89,10 +89,14 @@ py::dict puncture(const HeldTool& tool) {
   parts["friction_n_per_m"] = looking_at(from.friction_n_per_m, owner);
   parts["static_ratio"] = looking_at(from.static_ratio, owner);
   parts["toughness_j_per_m2"] = looking_at(from.toughness_j_per_m2, owner);
-  parts["edge_width_m"] = from.edge_width_m;
-  parts["shaft_n_per_m"] = from.shaft_n_per_m;
-  parts["lateral_n_per_m2"] = from.lateral_n_per_m2;
-  parts["mouth_m"] = from.mouth_m;
+  const auto add = [&](const char* name, double number) {
+    parts[name] = number;
+  };
+  for_each_puncture_number(from, add);
+  for_each_optional_puncture_number(from, add);
+  if (!from.membrane_j.empty()) {
+    parts["membrane_j"] = looking_at(from.membrane_j, owner);
+  }
   parts["rupture"] = looking_at(from.rupture, owner);
   parts["layer_depth_m"] = rows_of(from.layer_depth_m, owner);
   parts["layer_material"] = rows_of(from.layer_material, owner);

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 
@@ -21,8 +20,9 @@ namespace py = pybind11;
 namespace palpate {
 namespace {
 
-py::array forces_at(const HeldTool& tool, const py::object& values) {
-  const Doubles array = doubles(values, "positions");
+py::object forces_at(const HeldTool& tool, const py::object& values, unsigned threads,
+                     const py::object& out) {
+  Doubles array = doubles(values, "positions");
   const bool one = array.ndim() == 1 && array.shape(0) == 3;
   if (!one && (array.ndim() != 2 || array.shape(1) != 3)) {
     throw InputError(
@@ -30,20 +30,15 @@ py::array forces_at(const HeldTool& tool, const py::object& values) {
                     "shape (n, 3) or (3,)",
                     array.ndim(), array.size()));
   }
+  const Buffer result = buffer_like(out, array);
   const py::ssize_t rows = one ? 1 : array.shape(0);
   const auto field = field_of(tool);
-  const Eigen::Map<const Points> position(array.data(), rows, 3);
-  auto result = std::make_unique<Points>();
   {
     const py::gil_scoped_release released;
-    *result = field->force_n(position);
+    field->force_n(Eigen::Map<const Points>(array.data(), rows, 3),
+                   Eigen::Map<Points>(result.data, rows, 3), threads);
   }
-  double* data = result->data();
-  const py::capsule owner(result.release(), [](void* held) {
-    delete static_cast<Points*>(held);
-  });
-  return one ? py::array_t<double>({py::ssize_t{3}}, data, owner)
-             : py::array_t<double>({rows, py::ssize_t{3}}, data, owner);
+  return result.given;
 }
 
 py::array stiffness(const HeldTool& tool, double depth_m) {
@@ -155,14 +150,19 @@ void bind_tool(py::module_& module) {
   add_node_arrays(type);
   add_sample_arrays(type);
   bind_optional(type);
+  bind_pressure(module, type);
+  bind_contact(type);
   type.def("curve", &curve, py::arg("node"),
            "The stored curve of a node, four arrays.");
   type.def(
-      "force", &forces_at, py::arg("positions"),
+      "force", &forces_at, py::arg("positions"), py::kw_only(), py::arg("threads") = 0,
+      py::arg("out") = py::none(),
       "Force on the tool [N], (n, 3), at positions (n, 3) [m] of its reference "
       "point, or (3,) for one.\n\nThe stored potential field without friction and "
-      "history; of a body that relaxes, its\ninstantaneous response. Python's lock "
-      "is released. InputError: shape, not finite, body that yields.");
+      "history; of a body that relaxes, its\ninstantaneous response. On `threads` "
+      "threads (0: all processors), whose number changes no bit,\nwithout Python's "
+      "lock. out: a buffer that gets the forces and is returned.\nInputError: shape, "
+      "not finite, body that yields, a buffer that cannot be written to.");
   type.def("stiffness", &stiffness, py::arg("depth"),
            "Slope (n,) [N/m] of each node's stored curve at depth [m] along its "
            "direction;\nNaN at a node without response.");

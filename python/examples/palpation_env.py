@@ -42,15 +42,16 @@ class PalpationEnv:
         return observation, reward, too_deep, self._actions >= self._limit, {"work_j": self._renderer.work_j}
 
     def _move(self, goal):
-        for share in numpy.linspace(0.0, 1.0, self.TICKS + 1)[1:]:
-            force = self._renderer.step(self._position + share * (goal - self._position), self.TICK_S)
-            self._renderer.slow_step()
+        way = self._position + numpy.linspace(0.0, 1.0, self.TICKS + 1)[1:, None] * (goal - self._position)
         self._position = goal
-        return numpy.concatenate([goal, force])
+        return numpy.concatenate([goal, palpate.step_many(self._renderer, way, self.TICK_S, slow_every=1)[-1]])
 
 
 def forces(db, positions):
-    """Of n environments that share the body; a torch tensor goes in as tensor.cpu().numpy()."""
+    """Of n environments that share the body; a torch tensor on the CPU goes in as it is.
+
+    With history and friction, n renderers step at once: palpate.step_many(renderers, ways (n, k, 3), dt).
+    """
     return db.force(positions, db.tools[0])
 
 

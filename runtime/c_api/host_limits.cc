@@ -46,6 +46,7 @@ double renderable_scale(const HostOptions& options, RenderedStiffness stiffness)
   const double felt = options.position_gain * options.force_gain;
   stiffness.normal_n_per_m *= felt;
   stiffness.shaft_n_per_m *= felt;
+  stiffness.lateral_n_per_m *= felt;
   stiffness.friction_n_per_m *= felt;
   const StabilityBounds bounds = stability_bounds(device, options.tick_s);
   const std::string reason =

@@ -190,7 +190,7 @@ NeedleSeen HostTool::needle() const noexcept {
 }
 
 Channel HostTool::channel_at(std::int32_t i) const noexcept {
-  Channel channel = body_->needle().state->channel[static_cast<std::size_t>(i)];
+  Channel channel = body_->needle().state.channel[static_cast<std::size_t>(i)];
   channel.entry_m = placement_.point_in_world(channel.entry_m);
   channel.axis = placement_.vector_in_world(channel.axis);
   channel.lateral_m = placement_.vector_in_world(channel.lateral_m);

@@ -133,7 +133,7 @@ class HostTool {
 
   /// Of a needle, in the world; likewise.
   [[nodiscard]] NeedleSeen needle() const noexcept;
-  /// A channel that the needle has opened. @param i [0, needle().state->channels)
+  /// A channel that the needle has opened. @param i [0, needle().state.channels)
   [[nodiscard]] Channel channel_at(std::int32_t i) const noexcept;
 
   /// Whether it touches at several places.

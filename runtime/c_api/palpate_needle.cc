@@ -18,7 +18,7 @@ int refusal(const palpate_tool* tool, bool given, char* error,
   const char* why = "";
   if (tool == nullptr || !given) {
     why = "no tool, no room, or no size of the struct: a pointer is null or a size 0";
-  } else if (tool->tool.needle().state == nullptr) {
+  } else if (!tool->tool.needle().punctures) {
     why = palpate::kNoNeedle;
   }
   palpate::copy_text(why, error, error_bytes);
@@ -49,18 +49,18 @@ int palpate_needle_get(const palpate_tool* tool, palpate_needle* needle, char* e
   const palpate::NeedleSeen seen = tool->tool.needle();
   palpate_needle all{};
   all.struct_size = needle->struct_size;
-  all.channels = seen.state->channels;
-  all.channel = seen.state->active;
-  all.broken = seen.state->broken;
-  all.refused = seen.state->refused;
+  all.channels = seen.state.channels;
+  all.channel = seen.state.active;
+  all.broken = seen.state.broken;
+  all.refused = seen.state.refused;
   all.tip_depth = seen.tip_m / tool->metres_per_unit;
   all.inserted = seen.inserted_m / tool->metres_per_unit;
   all.tip_force = seen.tip_n / tool->newtons_per_unit;
   all.shaft_force = seen.shaft_n / tool->newtons_per_unit;
   copy_vector(seen.lateral_n, tool->newtons_per_unit, all.lateral_force);
-  all.cut_j = seen.state->crack_j;
-  all.released_j = seen.state->released_j;
-  all.shaft_j = seen.state->shaft_j;
+  all.cut_j = seen.state.crack_j;
+  all.released_j = seen.state.released_j;
+  all.shaft_j = seen.state.shaft_j;
   palpate::copy_known(all, needle);
   return 0;
 }
@@ -73,7 +73,7 @@ int palpate_channels_get(const palpate_tool* tool, palpate_channel* channels,
   if (const int wrong = refusal(tool, given, error, error_bytes)) {
     return wrong;
   }
-  const std::int32_t count = tool->tool.needle().state->channels;
+  const std::int32_t count = tool->tool.needle().state.channels;
   for (std::int32_t i = 0; i < count && static_cast<size_t>(i) < room; ++i) {
     palpate::copy_row(channel_of(*tool, i), channels, static_cast<size_t>(i),
                       channel_bytes);

@@ -11,7 +11,7 @@
 namespace palpate {
 
 double RenderedStiffness::largest_n_per_m() const noexcept {
-  return std::max(normal_n_per_m + shaft_n_per_m, friction_n_per_m);
+  return std::max({normal_n_per_m + shaft_n_per_m, friction_n_per_m, lateral_n_per_m});
 }
 
 RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_max_n) {
@@ -26,7 +26,10 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
   }
   const ResponseTable& table = pressed ? rendered : stored;
   const Yielding& yielding = table.viscoelasticity.yielding;
-  RenderedStiffness largest{.shaft_n_per_m = stored.puncture.shaft_n_per_m};
+  const Puncture& puncture = stored.puncture;
+  RenderedStiffness largest{
+      .shaft_n_per_m = puncture.shaft_n_per_m,
+      .lateral_n_per_m = puncture.lateral_n_per_m2 * puncture.insertable_m};
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto node = static_cast<std::size_t>(i);
     const CurveView curve = table.curve(i);
@@ -99,10 +102,15 @@ std::string why_not_renderable(const RenderedStiffness& stiffness,
     return {};
   }
   const std::string what =
-      stiffness.normal_n_per_m >= stiffness.friction_n_per_m
-          ? fmt::format("the body's largest stiffness {:.4g} N/m (node {})", k,
-                        stiffness.node)
-          : fmt::format("the stiffness {:.4g} N/m of friction before sliding", k);
+      k == stiffness.lateral_n_per_m
+          ? fmt::format(
+                "the stiffness {:.4g} N/m across a needle's shaft, inserted as "
+                "far as the body has room,",
+                k)
+      : k == stiffness.friction_n_per_m
+          ? fmt::format("the stiffness {:.4g} N/m of friction before sliding", k)
+          : fmt::format("the body's largest stiffness {:.4g} N/m (node {})", k,
+                        stiffness.node);
   // 2 b / T is never below b / (T/2 + T_delay), so that one of two bounds is broken.
   if (bounds.quantisation_n_per_m <= bounds.delay_n_per_m) {
     return fmt::format(

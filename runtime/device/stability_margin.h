@@ -18,13 +18,17 @@ struct RenderedStiffness {
   /// [N/m] largest k_t = mu f / delta_L of the friction spring, f at the end of the
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
-  double shaft_n_per_m = 0.0;  ///< [N/m] of a needle's shaft in its channel
+  double shaft_n_per_m = 0.0;  ///< [N/m] along a needle's shaft in its channel
+  /// [N/m] k' l across the shaft, l the longest that the body has room for. 0: the
+  /// database does not know l.
+  double lateral_n_per_m = 0.0;
   /// [N/m] at the border of the reach, where the field falls to nothing within an
   /// element; 0: not known. Stated, not demanded.
   double border_n_per_m = 0.0;
 
-  /// Curve and friction act at right angles, so the larger bounds the Jacobian of the
-  /// force. A shaft acts along the tip's curve.
+  /// A shaft acts along the tip's curve. Friction and the sideways spring act across
+  /// it. So the larger bounds the Jacobian of the force. In a channel the surface has
+  /// no friction across the axis (needle_step.h): the two do not add up.
   [[nodiscard]] double largest_n_per_m() const noexcept;
 };
 

@@ -78,7 +78,7 @@ void flow(const PunctureRules& rules, NeedleState& needle, const PuncturedSurfac
           Channel& channel, const Vector3& x_m) {
   cut(rules, needle, s, channel, x_m);
   while (!(channel.depth_m < boundary_m(channel)) &&
-         axial_n(s, channel) > yield_n(rules, channel)) {
+         breaks(rules, channel, axial_n(s, channel), s.model.response.energy_j)) {
     ++channel.layer;
     ++needle.broken;
     channel.broke[static_cast<std::size_t>(channel.layer)] = {

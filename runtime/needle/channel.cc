@@ -36,6 +36,9 @@ const char* check(const PunctureRules& rules) noexcept {
     if (!is_force(m.membrane_n) || !is_force(m.cutting_n)) {
       return "forces of membranes and of cutting must not be negative";
     }
+    if (!std::isfinite(m.membrane_j)) {
+      return "energies of membranes must be finite";
+    }
     if (!is_force(m.friction_n_per_m) || !std::isfinite(m.friction_n_per_m)) {
       return "friction of a shaft must be finite and not negative";
     }
@@ -66,10 +69,10 @@ Real boundary_m(const Channel& channel) noexcept {
              : std::numeric_limits<Real>::infinity();
 }
 
-Real yield_n(const PunctureRules& rules, const Channel& channel) noexcept {
-  return channel.depth_m < boundary_m(channel)
-             ? cutting_n(rules, channel)
-             : material_of(rules, channel, channel.layer + 1).membrane_n;
+bool breaks(const PunctureRules& rules, const Channel& channel, Real force_n,
+            Real energy_j) noexcept {
+  const PunctureMaterial& next = material_of(rules, channel, channel.layer + 1);
+  return next.membrane_j < 0.0 ? force_n > next.membrane_n : energy_j > next.membrane_j;
 }
 
 ShaftFriction friction_of(const PunctureRules& rules, const Channel& channel) noexcept {

@@ -13,6 +13,8 @@
 // - A tick moves the tip at frozen L, l and limits. Its work is the change of U.
 // - L grows at a fixed tip: dU = -f dL <= 0. J dA = F_c dL of it makes the crack, F_c
 //   the cutting force. The rest is released, and lost.
+// - A membrane breaks at a force f or at an energy E. Either says only when L may grow:
+//   at the break itself z, L and zeta stand still, and U with them.
 // - zeta is cut to what the shaft bears: U falls. l grows: y shrinks so that K y stays,
 //   and U falls; l shrinks: K falls with it.
 // Each part is dissipated, none is paid for.
@@ -38,6 +40,9 @@ struct PunctureMaterial {
   Real cutting_n = 0.0;   ///< [N] >= 0 F_c = J w, toughness times width of the edge
   Real friction_n_per_m = 0.0;  ///< [N/m] >= 0 of the shaft, kinetic, per length
   Real static_ratio = 1.0;      ///< [-] >= 1 static over kinetic friction
+  /// [J] of the tissue before the tip that breaks its boundary, instead of membrane_n;
+  /// negative: membrane_n does.
+  Real membrane_j = -1.0;
 };
 
 /// What a tool punctures, and how its shaft is held.
@@ -97,9 +102,10 @@ constexpr Real kShaftRestS = 0.1;
 /// Depth of the next boundary [m]; infinite where there is none.
 [[nodiscard]] Real boundary_m(const Channel& channel) noexcept;
 
-/// Force at which the channel goes on where it ends [N]: that of the membrane at a
-/// boundary, else F_c.
-[[nodiscard]] Real yield_n(const PunctureRules& rules, const Channel& channel) noexcept;
+/// Whether the membrane that the channel ends at breaks. @param channel at a boundary.
+/// @param force_n [N] f. @param energy_j [J] E.
+[[nodiscard]] bool breaks(const PunctureRules& rules, const Channel& channel,
+                          Real force_n, Real energy_j) noexcept;
 
 /// Friction of the inserted length [N], sum over layers.
 struct ShaftFriction {

@@ -7,7 +7,8 @@ NeedleSeen needle_seen(const FastState& state) noexcept {
   if (!is_needle(state.config.puncture)) {
     return seen;
   }
-  seen.state = &state.needle;
+  seen.punctures = true;
+  seen.state = state.needle;
   if (const Channel* in = channel_of(state.needle)) {
     seen.tip_m = in->tip_m(state.latest.position_m);
     seen.inserted_m = in->inserted_m;

@@ -70,8 +70,8 @@ WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcep
 }
 
 void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
-  if (const NeedleState* in = watch_ == nullptr ? nullptr : needle().state) {
-    watch_->write(*in);
+  if (watch_ != nullptr) {
+    watch_->write(needle());
   }
   if (rubbed_ != nullptr) {
     static_cast<void>(rubbed_->push(friction()));  // a page that is late misses some
@@ -85,8 +85,8 @@ void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexce
 
 void OneContact::account(const WrenchCommand& command,
                          RenderReport& report) const noexcept {
-  if (const NeedleState* in = needle().state) {
-    report.needle = needle_report(*in);
+  if (is_needle(state_.config.puncture)) {
+    report.needle = needle_report(state_.needle);
   }
   if (!remembers(state_.memory)) {
     return;

@@ -8,7 +8,7 @@
 #include "runtime/fast/switch_model.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/friction_seen.h"
-#include "runtime/render/needle_watch.h"
+#include "runtime/render/needle_seen.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/slow/tool_state.h"

@@ -18,7 +18,7 @@
 #include "runtime/hand/simulated_device.h"
 #include "runtime/render/contacts_seen.h"
 #include "runtime/render/friction_seen.h"
-#include "runtime/render/needle_watch.h"
+#include "runtime/render/needle_seen.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
 #include "runtime/run/coupling_report.h"

@@ -156,6 +156,8 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"real_time", report.options.real_time},
       {"stiffness_max_n_per_m", report.stiffness.normal_n_per_m},
       {"friction_stiffness_n_per_m", report.stiffness.friction_n_per_m},
+      {"shaft_stiffness_n_per_m", report.stiffness.shaft_n_per_m},
+      {"lateral_stiffness_n_per_m", report.stiffness.lateral_n_per_m},
       {"border_stiffness_n_per_m", report.stiffness.border_n_per_m},
       {"passivity_bound_n_per_m", report.bounds.passivity_n_per_m},
       {"sampling_bound_n_per_m", report.bounds.sampling_n_per_m},

@@ -25,8 +25,14 @@ std::string margin_lines(const SimulationReport& report) {
     text += line("", "none at edges, where forces step: no damping is enough there");
   }
   if (report.stiffness.shaft_n_per_m > 0.0) {
-    text += line("", fmt::format("and {:.4g} N/m of the needle's shaft in its channel",
-                                 report.stiffness.shaft_n_per_m));
+    text +=
+        line("", fmt::format("and {:.4g} N/m along the needle's shaft in its channel",
+                             report.stiffness.shaft_n_per_m));
+  }
+  if (report.stiffness.lateral_n_per_m > 0.0) {
+    text += line("", fmt::format("{:.4g} N/m across the shaft, inserted as far as the "
+                                 "body has room",
+                                 report.stiffness.lateral_n_per_m));
   }
   if (report.stiffness.border_n_per_m > report.stiffness.largest_n_per_m()) {
     text +=

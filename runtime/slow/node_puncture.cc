@@ -27,6 +27,9 @@ PunctureRules puncture_rules(const Puncture& puncture, double force_scale) {
                          static_cast<Real>(force_scale * puncture.cutting_n[m]),
                          static_cast<Real>(force_scale * puncture.friction_n_per_m[m]),
                          static_cast<Real>(puncture.static_ratio[m])};
+    if (const double membrane_j = membrane_j_of(puncture, m); membrane_j >= 0.0) {
+      rules.material[m].membrane_j = static_cast<Real>(force_scale * membrane_j);
+    }
   }
   rules.by_energy = puncture.rule == "energy";
   rules.shaft_n_per_m = static_cast<Real>(force_scale * puncture.shaft_n_per_m);

@@ -23,14 +23,18 @@ class StaticField {
               FieldKind kind = FieldKind::kSmooth);
 
   /// Forces on the tool [N], (n x 3). May run in several threads. A position's force
-  /// does not depend on the others.
+  /// depends neither on the others nor on the number of threads.
   /// @param position_m (n x 3) [m] of the tool's reference point, in the body's frame.
   /// @throws InputError naming the first position that is not finite.
   [[nodiscard]] Points force_n(const Eigen::Ref<const Points>& position_m) const;
 
+  /// The same into (n x 3) `into_n`, which may be the positions' own memory.
+  /// @param threads at most; 0: as many as there are processors.
+  void force_n(const Eigen::Ref<const Points>& position_m, Eigen::Ref<Points> into_n,
+               unsigned threads) const;
+
  private:
-  [[nodiscard]] std::vector<std::int32_t> nearest_triangles(
-      const Eigen::Ref<const Points>& position_m) const;
+  class Place;
 
   ElementStream stream_;
   double radius_m_;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "formats/database/response_database.h"
@@ -46,8 +47,8 @@ class SteeredBody {
   [[nodiscard]] virtual std::int32_t triangle_under(std::size_t hand,
                                                     const TickRecord& latest) const = 0;
 
-  /// The channel that a needle is in; null: none. Valid until the next tick.
-  [[nodiscard]] virtual const Channel* channel() const { return nullptr; }
+  /// The channel that a needle is in; none: in none.
+  [[nodiscard]] virtual std::optional<Channel> channel() const { return {}; }
 
   /// Whether a hand can turn its tool.
   [[nodiscard]] virtual bool turns() const noexcept = 0;

@@ -30,7 +30,7 @@ void SteeredContact::set(const ViewRequest& request) {
   if (request.coupled) {
     throw InputError("one contact couples with no other");
   }
-  if (request.model && body_->needle().state != nullptr && !is_field(*request.model)) {
+  if (request.model && body_->needle().punctures && !is_field(*request.model)) {
     throw InputError("a needle needs the model potential or facets");
   }
   if (request.model) {
@@ -47,8 +47,8 @@ void SteeredContact::set(const ViewRequest& request) {
 
 void SteeredContact::show(const std::vector<SteeredHand>& /*hand*/, ViewFrame& frame) {
   const Eigen::Map<const Eigen::Vector3d> tool_m(frame.now.position_m.data());
-  if (const NeedleState* needle = body_->needle().state) {
-    needle_ = view_needle(*needle, table_.tool, needle_);
+  if (const NeedleSeen needle = body_->needle(); needle.punctures) {
+    needle_ = view_needle(needle.state, table_.tool, needle_);
   }
   frame.needle = needle_;
   frame.contact = tool_contact(database_, table_.tool, stream_.search(), tool_m,

@@ -29,9 +29,10 @@ class SteeredContact : public SteeredBody {
                                             const TickRecord& latest) const override {
     return latest.triangle;
   }
-  [[nodiscard]] const Channel* channel() const override {
-    const NeedleState* needle = body_->needle().state;
-    return needle == nullptr ? nullptr : channel_of(*needle);
+  [[nodiscard]] std::optional<Channel> channel() const override {
+    const NeedleSeen needle = body_->needle();
+    const Channel* in = channel_of(needle.state);
+    return in == nullptr ? std::nullopt : std::optional(*in);
   }
   [[nodiscard]] bool turns() const noexcept override { return false; }
   void show(const std::vector<SteeredHand>& hand, ViewFrame& frame) override;

@@ -120,7 +120,7 @@ std::string tools_text(const std::vector<const ResponseTable*>& tables) {
   Json all = Json::array();
   for (const ResponseTable* table : tables) {
     all.push_back({{"name", table->tool.name},
-                   {"description", describe(table->tool)},
+                   {"description", describe_tool(table->tool, table->puncture)},
                    {"spheres", spheres(table->tool)},
                    {"coupling_error", table->compliance.error_relative}});
   }

@@ -202,7 +202,7 @@ Json tool_json(const ViewedBody& body) {
   constexpr double kHandle = 0.275;  // of the body's diagonal
   const double handle_m = kHandle * bounding_box(body.database.body).diagonal().norm();
   return {{"name", tool.name},
-          {"description", describe(tool)},
+          {"description", describe_tool(tool, body.table.puncture)},
           {"kind", tool.kind},
           {"radius_m", tool.radius_m},
           {"half_angle_rad", tool.half_angle_rad},

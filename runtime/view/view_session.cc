@@ -233,7 +233,7 @@ void ViewSession::let_go() {
 
 Eigen::Vector3d ViewSession::clear_of(std::size_t hand) const {
   const SteeredHand& held = hands_[hand];
-  if (const Channel* in = body_->channel()) {
+  if (const std::optional<Channel> in = body_->channel()) {
     return in->entry_m + clearance_m(*held.table) * in->axis;
   }
   const ViewContact near = view_contact(database_, held.table->tool, search_,

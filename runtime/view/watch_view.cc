@@ -102,7 +102,8 @@ void WatchView::frame() {
   }
   if (needle_ != nullptr) {
     static_cast<void>(needle_->fetch());
-    frame_.needle = view_needle(needle_->latest(), body_.table.tool, frame_.needle);
+    frame_.needle =
+        view_needle(needle_->latest().state, body_.table.tool, frame_.needle);
   }
   if (!passed.empty()) {
     frame_.now = passed.back();

@@ -1,5 +1,5 @@
-// static_field_study DATABASE POSITIONS: forces of the stored field in a loop of C++,
-// as Python's Tool.force has them. POSITIONS: n x 3 doubles [m]. Prints nanoseconds per
+// static_field_study DATABASE POSITIONS THREADS: forces of the stored field in C++, as
+// Python's Tool.force has them. POSITIONS: n x 3 doubles [m]. Prints nanoseconds per
 // position, the least of some runs, and the sum of the forces' lengths.
 #include <algorithm>
 #include <cstdlib>
@@ -28,15 +28,15 @@ Points read_positions(const char* file) {
   return positions;
 }
 
-void measure(const char* file, const char* positions_file) {
+void measure(const char* file, const char* positions_file, unsigned threads) {
   const ResponseDatabase database = read_database(file);
   const StaticField field(database, database.tools.front());
   const Points positions = read_positions(positions_file);
   double seconds = std::numeric_limits<double>::infinity();
-  Points force;
+  Points force(positions.rows(), 3);
   for (int run = 0; run < kRuns; ++run) {
     const auto begin = std::chrono::steady_clock::now();
-    force = field.force_n(positions);
+    field.force_n(positions, force, threads);
     seconds = std::min(seconds, seconds_since(begin));
   }
   fmt::print("{} {}\n", 1e9 * seconds / static_cast<double>(positions.rows()),
@@ -47,10 +47,11 @@ void measure(const char* file, const char* positions_file) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    fmt::print(stderr, "static_field_study DATABASE POSITIONS\n");
+  if (argc != 4) {
+    fmt::print(stderr, "static_field_study DATABASE POSITIONS THREADS\n");
     return 2;
   }
-  palpate::measure(argv[1], argv[2]);
+  palpate::measure(argv[1], argv[2],
+                   static_cast<unsigned>(std::strtoul(argv[3], nullptr, 10)));
   return 0;
 }

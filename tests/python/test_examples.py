@@ -54,6 +54,23 @@ def test_pressed_body(tmp_path):
     assert float(said.split()[1]) > 0.1
 
 
+def test_newton_pressure():
+    lines = run("newton_pressure.py").splitlines()
+    assert len(lines) == 3 and all(abs(float(line.split("off ")[1].rstrip("%"))) < 1.0 for line in lines)
+
+
+def test_drake_hydroelastic():
+    lines = run("drake_hydroelastic.py", 0.02).splitlines()
+    assert [line.split()[0] for line in lines] == ["modulus", "modulus", "over"]
+    assert float(lines[0].split()[1]) > float(lines[1].split()[1])  # Hertz: a secant falls with depth
+    assert "misses 20%" in lines[0] and "off -10%" in lines[0]
+
+
+def test_torch_batch():
+    said = run("torch_batch.py")
+    assert said.startswith("10000 fingers: ") and float(said.split()[2]) > 0.01
+
+
 def test_palpation_env():
     said = run("palpation_env.py")
     assert float(said.split()[1].rstrip(",")) > 0.0

@@ -33,6 +33,18 @@ namespace palpate {
   return puncture;
 }
 
+/// The same of a needle whose own radius and tip are known, with a membrane that breaks
+/// by energy.
+[[nodiscard]] inline Puncture known_puncture(std::int64_t nodes) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  Puncture puncture = some_puncture(nodes);
+  puncture.membrane_j = {kUnknown, 2e-3, kUnknown};
+  puncture.radius_m = 7.5e-4;
+  puncture.tip_angle_rad = 0.5235987755982988;  // 30 degrees
+  puncture.insertable_m = 0.03;
+  return puncture;
+}
+
 /// A sphere in many chunks under a needle.
 [[nodiscard]] inline ResponseDatabase punctured_sphere(bool by_node) {
   ResponseDatabase database = sphere_database(24, 6);

@@ -77,6 +77,25 @@ TEST_F(DatabaseTool, ANeedleIsDescribedAndDoubted) {
   EXPECT_EQ(parse_json(doubted.out).at("notes").size(), 1U);
 }
 
+TEST_F(DatabaseTool, NamesANeedleByItsOwnRadiusAndSaysHowDeepItWasCompared) {
+  ResponseDatabase database = small_database();
+  database.tools[1].puncture = known_puncture(6);
+  database.tools[1].puncture.radius_m = 1e-6;
+  write_database(file_, database);
+  const Json info =
+      parse_json(run_tool_process("palpate-db", {"info", file_, "--json"}).out);
+  const Json& tool = info.at("tool_details").at(1);
+  EXPECT_EQ(tool.at("description").get<std::string>().substr(0, 47),
+            "needle of radius 0.001 mm, tip angle 30 deg, pr");
+  EXPECT_EQ(tool.at("puncture").at("radius_m"), 1e-6);
+  EXPECT_EQ(tool.at("puncture").at("materials").at(1).at("membrane_j"), 2e-3);
+  EXPECT_TRUE(tool.at("puncture").at("materials").at(0).at("membrane_j").is_null());
+  const ToolRun check = run_tool_process("palpate-db", {"check", file_});
+  EXPECT_EQ(check.exit_code, 0);
+  EXPECT_NE(check.err.find("warning: tool ball: its curve goes"), std::string::npos)
+      << check.err;
+}
+
 TEST_F(DatabaseTool, PictureNeedsAToolWhereThereAreSeveral) {
   const std::string svg = folder_ / "a.svg";
   const ToolRun unnamed = run_tool_process("palpate-db", {"picture", file_, "-o", svg});

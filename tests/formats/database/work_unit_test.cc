@@ -91,7 +91,7 @@ void expect_same(const JobDescription& a, const JobDescription& b) {
 
 JobDescription puncturing_plan() {
   JobDescription plan = sample_plan();
-  plan.puncture = {some_puncture(plan.body.position_m.rows())};
+  plan.puncture = {known_puncture(plan.body.position_m.rows())};
   return plan;
 }
 

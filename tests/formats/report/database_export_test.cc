@@ -89,7 +89,7 @@ TEST(DatabaseExport, EveryFormatSaysHowResponsesRelax) {
 TEST(DatabaseExport, EveryFormatSaysWhatANeedleBreaks) {
   ResponseDatabase database = small_database();
   ResponseTable& table = database.tools[1];
-  table.puncture = some_puncture(6);
+  table.puncture = known_puncture(6);
   table.puncture.rupture[2] = std::numeric_limits<double>::infinity();
   std::istringstream lines(to_csv(database, table));
   std::string line;
@@ -113,6 +113,10 @@ TEST(DatabaseExport, EveryFormatSaysWhatANeedleBreaks) {
   EXPECT_TRUE(after("Name=\"layer_material\"").starts_with("0 1 2 0 1 -1 "));
   const auto puncture = parse_json(to_json_text(database, table)).at("puncture");
   EXPECT_EQ(puncture.at("material").at(2), "bone");
+  EXPECT_EQ(puncture.at("radius_m"), 7.5e-4);
+  EXPECT_EQ(puncture.at("insertable_m"), 0.03);
+  EXPECT_EQ(puncture.at("membrane_j").at(1), 2e-3);
+  EXPECT_TRUE(puncture.at("membrane_j").at(0).is_null());
   EXPECT_TRUE(puncture.at("rupture_n").at(2).is_null());
   EXPECT_EQ(puncture.at("layer_depth_m").at(0).at(2), 0.01);
   table.puncture.rule = "energy";

@@ -144,6 +144,9 @@ TEST(ReportPage, SaysWhatANeedleBreaks) {
   EXPECT_NE(
       report_page(database, "a.h5").find("<th>puncture</th><td>the first membrane"),
       std::string::npos);
+  database.tools[0].puncture = known_puncture(1);
+  EXPECT_NE(report_page(database, "a.h5").find("needle of radius 0.75 mm, tip angle"),
+            std::string::npos);
   database.tools[0].puncture = {};
   EXPECT_EQ(report_page(database, "a.h5").find("<th>puncture</th>"), std::string::npos);
 }

@@ -10,6 +10,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kUnknownJ = std::numeric_limits<double>::quiet_NaN();
+
 TEST(Puncture, IsToldInALine) {
   EXPECT_EQ(describe(Puncture{}), "");
   Puncture puncture = some_puncture(6);
@@ -21,6 +23,42 @@ TEST(Puncture, IsToldInALine) {
   puncture = some_puncture(1);
   puncture.rule = "energy";
   EXPECT_TRUE(describe(puncture).starts_with("the first membrane breaks at 2 J; "));
+}
+
+TEST(Puncture, SaysTheEnergyOfAMembrane) {
+  EXPECT_NE(describe(known_puncture(1)).find("; muscle: membrane 0.002 J, cutting"),
+            std::string::npos);
+}
+
+TEST(Puncture, ANeedleIsNamedByItsOwnRadius) {
+  const ToolShape ball{.name = "n", .radius_m = 0.003};
+  Puncture puncture = known_puncture(1);
+  EXPECT_EQ(describe_tool(ball, puncture),
+            "needle of radius 0.75 mm, tip angle 30 deg, pressed as sphere of radius 3 "
+            "mm");
+  puncture.tip_angle_rad = 0.0;
+  EXPECT_EQ(describe_tool(ball, puncture),
+            "needle of radius 0.75 mm, pressed as sphere of radius 3 mm");
+  EXPECT_EQ(describe_tool({.name = "n", .radius_m = 7.5e-4}, puncture),
+            "needle of radius 0.75 mm");
+  // Older files do not know it, and a ball is a ball.
+  EXPECT_EQ(describe_tool(ball, some_puncture(1)), "sphere of radius 3 mm");
+  EXPECT_EQ(describe_tool(ball, {}), "sphere of radius 3 mm");
+}
+
+TEST(Puncture, DoubtsCurvesThatGoDeeperThanWasCompared) {
+  const ToolShape ball{.name = "n", .radius_m = 0.003};
+  const Puncture puncture = known_puncture(1);
+  const double compared_m = kComparedRadii * puncture.radius_m;
+  EXPECT_EQ(doubts_of_depth(ball, puncture, 0.999 * compared_m), "");
+  EXPECT_EQ(
+      doubts_of_depth(ball, puncture, compared_m + 5.0 * puncture.radius_m),
+      "its curve goes 9 radii deep, 5 beyond the 4 down to which such curves were "
+      "compared with presses of a tip");
+  EXPECT_EQ(doubts_of_depth(ball, some_puncture(1), 1.0), "");  // not known
+  Puncture own = puncture;                                      // it was pressed itself
+  own.tip_angle_rad = 0.0;
+  EXPECT_EQ(doubts_of_depth({.name = "n", .radius_m = 7.5e-4}, own, 1.0), "");
 }
 
 TEST(Puncture, DoubtsAToughnessOfTearTests) {
@@ -67,6 +105,12 @@ TEST(Puncture, IsTheSameOnlyWithTheSameNumbers) {
   other = puncture;
   other.toughness_j_per_m2[2] = 1.0;
   EXPECT_FALSE(same(puncture, other));
+  other = puncture;
+  other.radius_m = 1e-3;
+  EXPECT_FALSE(same(puncture, other));
+  other = puncture;
+  other.membrane_j = {1.0, 1.0, 1.0};
+  EXPECT_FALSE(same(puncture, other));
 }
 
 TEST(Puncture, TheLastLayerIsThatOfTheNode) {
@@ -77,6 +121,8 @@ TEST(Puncture, TheLastLayerIsThatOfTheNode) {
   Puncture stopped = some_puncture(1);
   stopped.membrane_n[1] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(last_layer_m(stopped, 0), stopped.layer_depth_m(0, 1));
+  stopped.membrane_j = {kUnknownJ, 1.0, kUnknownJ};
+  EXPECT_EQ(last_layer_m(stopped, 0), 0.01);  // an energy breaks it
 }
 
 TEST(Puncture, RowsOfNodesAreInTheirOrder) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,84 @@ TEST(LinearTip, IsAFlatPunchDeepDown) {
   }
 }
 
+// Sneddon 1965 of a profile with the slope cot alpha, by the midpoint rule:
+//   h = a \int_0^1 cot alpha / sqrt(1 - x^2) dx
+//   F = 2 E / (1 - nu^2) a^2 \int_0^1 x^2 cot alpha / sqrt(1 - x^2) dx
+TEST(LinearCone, IsSneddonsUntilItsContactIsAsWideAsTheShaft) {
+  constexpr int kParts = 2000;
+  for (const double half_angle : {0.15, 0.5, 0.9}) {
+    double h = 0.0, f = 0.0;
+    for (int i = 0; i < kParts; ++i) {  // x = sin s
+      const double s = (i + 0.5) * 0.5 * std::numbers::pi / kParts;
+      h += 0.5 * std::numbers::pi / kParts / std::tan(half_angle);
+      f += 0.5 * std::numbers::pi / kParts / std::tan(half_angle) * std::sin(s) *
+           std::sin(s);
+    }
+    const NeedleTip tip{.radius_m = kRadiusM, .half_angle_rad = half_angle};
+    for (const double share : {0.01, 0.3, 1.0}) {
+      const double a_m = share * kRadiusM;
+      const double force_n = 2.0 * kPlanePa * a_m * a_m * f;
+      EXPECT_NEAR(linear_cone_depth_m(kTissue, tip, force_n) / (a_m * h), 1.0, 1e-9)
+          << half_angle << " " << share;
+      // (2/pi) E / (1 - nu^2) tan alpha h^2
+      EXPECT_NEAR(2.0 / std::numbers::pi * kPlanePa * std::tan(half_angle) *
+                      std::pow(a_m * h, 2) / force_n,
+                  1.0, 1e-9);
+    }
+  }
+  EXPECT_EQ(linear_cone_depth_m(kTissue, {kRadiusM, 0.5}, 0.0), 0.0);
+}
+
+TEST(LinearCone, IsAFlatPunchBeyondAndJoinsItWithoutAStep) {
+  const NeedleTip tip{.radius_m = kRadiusM, .half_angle_rad = 0.4};
+  const double join_n =
+      0.5 * std::numbers::pi * kPlanePa * kRadiusM * kRadiusM / std::tan(0.4);
+  const double punch_n_per_m = 2.0 * kPlanePa * kRadiusM;
+  const auto depth_m = [&](double times) {
+    return linear_cone_depth_m(kTissue, tip, times * join_n);
+  };
+  for (const double times : {1.0, 3.0, 50.0}) {
+    EXPECT_NEAR((depth_m(times + 0.1) - depth_m(times)) * punch_n_per_m, 0.1 * join_n,
+                1e-9 * join_n)
+        << times;
+  }
+  // h goes as the root of F up to there: on both sides 1e-4 F_R / (2 E R).
+  const double step_m = 1e-4 * join_n / punch_n_per_m;
+  EXPECT_NEAR((depth_m(1.0) - depth_m(1.0 - 1e-4)) / step_m, 1.0, 1e-4);
+  EXPECT_NEAR((depth_m(1.0 + 1e-4) - depth_m(1.0)) / step_m, 1.0, 1e-9);
+}
+
+// What scenes may ask for.
+TEST(LinearCone, SinksDeeperThanAHemisphereUpTo110Degrees) {
+  for (const double angle_deg : {10.0, 60.0, 110.0}) {
+    const NeedleTip tip{.radius_m = kRadiusM,
+                        .half_angle_rad = 0.5 * angle_deg * std::numbers::pi / 180.0};
+    for (double force_n = 1e-6; force_n < 100.0; force_n *= 1.5) {
+      EXPECT_GT(linear_cone_depth_m(kTissue, tip, force_n),
+                linear_tip_depth_m(kTissue, kRadiusM, force_n))
+          << angle_deg << " " << force_n;
+    }
+  }
+}
+
+TEST(Sharpen, AConeDeepensABallOfItsOwnRadius) {
+  NodeResponse ball;
+  for (int k = 0; k <= 10; ++k) {
+    ball.depth_m.push_back(3e-4 * k);
+    ball.force_n.push_back(5e-4 * k * k);
+  }
+  NodeResponse needle = ball;
+  const NeedleTip tip{.radius_m = 0.001, .half_angle_rad = 0.26};
+  sharpen(kTissue, tip, 0.001, needle);
+  for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
+    EXPECT_NEAR(needle.depth_m[k] - ball.depth_m[k],
+                linear_cone_depth_m(kTissue, tip, ball.force_n[k]) -
+                    linear_tip_depth_m(kTissue, 0.001, ball.force_n[k]),
+                1e-12);
+  }
+  EXPECT_GT(needle.error_relative, 0.0);
+}
+
 TEST(Sharpen, ForcesStayAndDepthsGrow) {
   NodeResponse ball;
   for (int k = 0; k <= 10; ++k) {
@@ -68,7 +147,7 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   ball.tilt = TiltLine{.tilt = {0.1, 0.0, 0.0}, .by_depth_per_m = {20.0, 0.0, 0.0}};
   ball.error_relative = 0.03;
   NodeResponse needle = ball;
-  sharpen(kTissue, 0.0005, 0.003, false, needle);
+  sharpen(kTissue, {.radius_m = 0.0005}, 0.003, needle);
   EXPECT_EQ(needle.force_n, ball.force_n);
   EXPECT_EQ(needle.depth_m[0], 0.0);
   for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
@@ -81,13 +160,9 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   const double part = 1.0 - ball.depth_m[9] / needle.depth_m[9];
   EXPECT_GE(needle.error_relative, std::hypot(0.03, kSharpenError * part) - 1e-12);
   EXPECT_LT(needle.error_relative, kSharpenError);
-  NodeResponse nonlinear = ball;
-  sharpen(kTissue, 0.0005, 0.003, true, nonlinear);
-  EXPECT_EQ(nonlinear.depth_m, needle.depth_m);
-  EXPECT_GT(nonlinear.error_relative, 2.0 * needle.error_relative);
   // A needle as large as its ball is its ball.
   NodeResponse same = ball;
-  sharpen(kTissue, 0.003, 0.003, true, same);
+  sharpen(kTissue, {.radius_m = 0.003}, 0.003, same);
   EXPECT_EQ(same.depth_m, ball.depth_m);
   EXPECT_EQ(same.error_relative, ball.error_relative);
 }
@@ -100,6 +175,8 @@ TEST(NeedleNotes, AreOfNeedlesThatGoDeeperThanWasCompared) {
   scene.tool_needle[1] = SceneNeedle{.radius_m = 0.001, .press_radius_m = 0.002};
   scene.tool_needle[2] = SceneNeedle{.radius_m = 0.001, .press_radius_m = 0.001};
   EXPECT_EQ(needle_notes(scene).size(), 1U);
+  scene.tool_needle[2]->tip_angle_rad = 0.5;
+  EXPECT_EQ(needle_notes(scene).size(), 2U);
   scene.reach.depth_max_m = 0.0039;
   EXPECT_TRUE(needle_notes(scene).empty());
 }

@@ -134,6 +134,31 @@ TEST_F(NeedleLayersTest, AMembraneMayBreakByEnergy) {
   EXPECT_EQ(needle.rupture[0], 0.002);
 }
 
+TEST_F(NeedleLayersTest, AMembraneBelowTheSurfaceMayBreakByEnergy) {
+  const Puncture needle =
+      of(kSoft, "puncture = { toughness_j_per_m2 = 1000.0, membrane_j = 0.002 }")[0];
+  EXPECT_EQ(needle.rule, "force");
+  ASSERT_EQ(needle.membrane_j.size(), 2U);
+  EXPECT_TRUE(std::isnan(needle.membrane_j[0]));
+  EXPECT_EQ(needle.membrane_j[1], 0.002);
+  EXPECT_EQ(needle.membrane_n[1], 1.5);  // for readers that know no energy
+  EXPECT_TRUE(of(kSoft, kFirm)[0].membrane_j.empty());
+}
+
+// The ball is 60 mm through at the top; of what a needle may not enter, 1 mm.
+TEST_F(NeedleLayersTest, TheShaftGoesAsFarAsTheBodyHasRoom) {
+  const Puncture through = of(kSoft, kFirm, "tip_angle_deg = 30.0")[0];
+  EXPECT_NEAR(through.insertable_m, 0.06, 6e-4);
+  EXPECT_EQ(through.radius_m, 0.0005);
+  EXPECT_NEAR(through.tip_angle_rad, std::numbers::pi / 6.0, 1e-15);
+  Scene top = scene(kSoft, "", "");
+  top.reach.box_m = Eigen::AlignedBox3d(Eigen::Vector3d(-1.0, -1.0, 0.0299),
+                                        Eigen::Vector3d(1.0, 1.0, 1.0));
+  const Puncture stopped = needle_layers(top, read_body(top))[0];
+  EXPECT_NEAR(stopped.insertable_m, 0.001, 2e-4);
+  EXPECT_EQ(stopped.tip_angle_rad, 0.0);
+}
+
 TEST_F(NeedleLayersTest, TheBallThatIsPressedStandsForTheNeedle) {
   EXPECT_EQ(scene(kSoft, kFirm, "press_radius_m = 0.002").tool[0].radius_m, 0.002);
   EXPECT_EQ(scene(kSoft, kFirm, "").tool[0].radius_m, 0.0005);
@@ -161,6 +186,8 @@ TEST_F(NeedleLayersTest, WrongKeysAreSaid) {
   EXPECT_NE(said("puncture = { friction_n_per_m = 1.0 }").find("toughness_j_per_m2"),
             std::string::npos);
   EXPECT_NE(said(kSoft, "tip_radius_m = 0.1").find("tip_radius_m"), std::string::npos);
+  EXPECT_NE(said(kSoft, "tip_angle_deg = 120.0").find("at most 110"),
+            std::string::npos);
   EXPECT_NE(said(kSoft, "puncture = { mouth_m = 0.0 }").find("mouth_m"),
             std::string::npos);
 }

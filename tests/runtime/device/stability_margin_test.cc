@@ -62,6 +62,33 @@ TEST(RenderedStiffness, IsOfANeedlesTipAndShaftTogether) {
   EXPECT_NEAR(stiffness.largest_n_per_m(), 160.0, 1e-9);
 }
 
+// Across the axis acts the shaft that is inserted, as much as the body has room for.
+TEST(RenderedStiffness, IsThatAcrossAShaftWhereItIsLarger) {
+  ResponseDatabase database = sample_database(
+      plate(0.1, 4), ball(0.0005, 0.0, 0.0),
+      [](Eigen::Index /*node*/, double d) {
+        return 100.0 * d;
+      },
+      0.01);
+  Puncture& puncture = database.tools[0].puncture;
+  puncture.shaft_n_per_m = 60.0;
+  puncture.lateral_n_per_m2 = 12000.0;
+  EXPECT_EQ(rendered_stiffness(database.tools[0], 3.0).lateral_n_per_m, 0.0);
+  puncture.insertable_m = 0.012;
+  EXPECT_NEAR(rendered_stiffness(database.tools[0], 3.0).largest_n_per_m(), 160.0,
+              1e-9);
+  puncture.insertable_m = 0.03;
+  const RenderedStiffness stiffness = rendered_stiffness(database.tools[0], 3.0);
+  EXPECT_NEAR(stiffness.lateral_n_per_m, 360.0, 1e-9);
+  EXPECT_EQ(stiffness.largest_n_per_m(), stiffness.lateral_n_per_m);
+  const std::string why =
+      why_not_renderable(stiffness, stability_bounds(kDevice, 1e-3), kDevice, 1e-3);
+  EXPECT_NE(why.find("360 N/m across a needle's shaft, inserted as far as the body has "
+                     "room, exceeds 333.3 N/m"),
+            std::string::npos)
+      << why;
+}
+
 TEST(MarginTable, GivesAVerdictOnEveryBound) {
   const StabilityBounds bounds = stability_bounds(kDevice, 1e-3);
   const std::string table = margin_table(bounds, 500.0);

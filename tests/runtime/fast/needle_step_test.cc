@@ -130,6 +130,26 @@ TEST(NeedleStep, EachMembraneAddsItsPeak) {
   EXPECT_NEAR(broke[2].tip_m, 0.012 + layered_m(1.5), 2e-5);
 }
 
+// E(e) is the integral of f up to e. The force is 1.1 N where it reaches W, that of the
+// membrane 1.5 N.
+TEST(NeedleStep, AMembraneBelowTheSkinMayBreakByItsEnergy) {
+  PunctureRules rules = layered_rules();
+  const double break_m = layered_m(1.1);
+  rules.material[2].membrane_j = 1.1 * break_m / 2.5;
+  Needle needle(rules);
+  needle.go_to(0.012 + break_m - 2e-4, 0.01);
+  EXPECT_EQ(needle.channel().layer, 1);
+  EXPECT_EQ(needle.channel().depth_m, 0.012);
+  const double released_j = needle.state().needle.released_j;
+  needle.go_to(0.012 + break_m + 2e-4, 0.01);
+  EXPECT_EQ(needle.channel().layer, 2);
+  const double shaft_n = 20.0 * 0.002 + 10.0 * 0.010;
+  EXPECT_NEAR(needle.channel().broke[2].force_n, 1.1 + shaft_n, 0.01);
+  EXPECT_NEAR(needle.channel().broke[2].tip_m, 0.012 + break_m, 2e-5);
+  EXPECT_GT(needle.state().needle.released_j, released_j);
+  EXPECT_LT(needle.open_j, 1e-12);
+}
+
 TEST(NeedleStep, AFlowThroughSeveralMembranesEndsInTheLastThatYields) {
   PunctureRules rules = layered_rules();
   rules.material[1].membrane_n = 0.1;

@@ -39,16 +39,31 @@ TEST(Channel, TheImageIsTheTipMovedBackByTheDepth) {
 
 TEST(Channel, YieldsByItsLayerAndAtABoundaryByTheMembrane) {
   const PunctureRules rules = layered_rules();
-  Channel channel = straight_channel(0.001, 0);
+  Channel channel = straight_channel(0.002, 0);
   EXPECT_EQ(boundary_m(channel), 0.002);
-  EXPECT_EQ(yield_n(rules, channel), 0.5);
-  channel.depth_m = 0.002;
-  EXPECT_EQ(yield_n(rules, channel), 0.6);
+  EXPECT_EQ(cutting_n(rules, channel), 0.5);
+  EXPECT_FALSE(breaks(rules, channel, 0.6, 1.0));
+  EXPECT_TRUE(breaks(rules, channel, 0.601, 0.0));
   channel.layer = 1;
-  EXPECT_EQ(yield_n(rules, channel), 0.2);
+  EXPECT_EQ(cutting_n(rules, channel), 0.2);
+  EXPECT_FALSE(breaks(rules, channel, 1.5, 1.0));
   channel = straight_channel(0.03, 2);
   EXPECT_EQ(boundary_m(channel), std::numeric_limits<Real>::infinity());
-  EXPECT_EQ(yield_n(rules, channel), 0.4);
+  EXPECT_EQ(cutting_n(rules, channel), 0.4);
+}
+
+TEST(Channel, AMembraneWithAnEnergyAsksNoForce) {
+  PunctureRules rules = layered_rules();
+  rules.material[1].membrane_j = 2e-3;
+  Channel channel = straight_channel(0.002, 0);
+  EXPECT_EQ(check(rules), nullptr);
+  EXPECT_FALSE(breaks(rules, channel, 100.0, 2e-3));
+  EXPECT_TRUE(breaks(rules, channel, 0.1, 2.001e-3));
+  channel.layer = 1;  // the next has none
+  EXPECT_TRUE(breaks(rules, channel, 1.501, 0.0));
+  EXPECT_FALSE(breaks(rules, channel, 1.499, 1.0));
+  rules.material[1].membrane_j = std::numeric_limits<Real>::infinity();
+  EXPECT_NE(check(rules), nullptr);
 }
 
 TEST(Channel, FrictionIsTheSumOverItsLayers) {

@@ -52,7 +52,7 @@ TEST(KeptChannels, AreWhatTheNeedleLeavesWithoutTheNeedle) {
   EXPECT_EQ(next.channel[1].shaft_m, 0.0);
   EXPECT_EQ(next.channel[1].layers.layers, 3);
   EXPECT_EQ(boundary_m(next.channel[1]), 0.012);
-  EXPECT_EQ(yield_n(layered_rules(), next.channel[1]), 0.2);
+  EXPECT_EQ(cutting_n(layered_rules(), next.channel[1]), 0.2);
   EXPECT_EQ(channel_rows(next), rows);
 }
 

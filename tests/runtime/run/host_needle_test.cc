@@ -49,10 +49,10 @@ TEST(HostNeedle, IsTheFastStepToTheBit) {
     }
   }
   const NeedleSeen seen = host.needle();
-  ASSERT_NE(seen.state, nullptr);
-  EXPECT_EQ(seen.state->channels, fast->needle.channels);
-  EXPECT_GT(seen.state->broken, 0U);
-  EXPECT_EQ(seen.state->crack_j, fast->needle.crack_j);
+  ASSERT_TRUE(seen.punctures);
+  EXPECT_EQ(seen.state.channels, fast->needle.channels);
+  EXPECT_GT(seen.state.broken, 0U);
+  EXPECT_EQ(seen.state.crack_j, fast->needle.crack_j);
   EXPECT_EQ(host.channel_at(0).depth_m, fast->needle.channel[0].depth_m);
 }
 

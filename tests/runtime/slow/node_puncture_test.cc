@@ -41,10 +41,20 @@ TEST(NodePuncture, ForcesAndStiffnessesAreScaledAndRatiosAndLengthsAreNot) {
   EXPECT_EQ(rules.material[0].friction_n_per_m, 4.0);
   EXPECT_EQ(rules.material[0].static_ratio, 1.2);
   EXPECT_EQ(rules.material[1].membrane_n, kHard);
+  EXPECT_LT(rules.material[0].membrane_j, 0.0);  // none
   EXPECT_EQ(rules.shaft_n_per_m, 30.0);
   EXPECT_EQ(rules.lateral_n_per_m2, 1500.0);
   EXPECT_EQ(rules.mouth_m, 5e-4);
   EXPECT_FALSE(rules.by_energy);
+}
+
+TEST(NodePuncture, EnergiesOfMembranesAreScaled) {
+  Puncture puncture = skin_over_bone();
+  puncture.membrane_j = {2e-3, kNone};
+  const PunctureRules rules = puncture_rules(puncture, 0.5);
+  EXPECT_EQ(check(rules), nullptr);
+  EXPECT_EQ(rules.material[0].membrane_j, 1e-3);
+  EXPECT_LT(rules.material[1].membrane_j, 0.0);
 }
 
 TEST(NodePuncture, ATipMeetsTheLayersOfItsOwnNode) {

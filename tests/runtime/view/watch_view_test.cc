@@ -186,13 +186,15 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   view.opened(1);
   view.frame();
   EXPECT_EQ(outbox_.frame[1]["needle"]["in"], -1);  // there before any tick
-  NeedleState state;
+  NeedleSeen seen;
+  seen.punctures = true;
+  NeedleState& state = seen.state;
   state.channels = 1;
   state.active = 0;
   state.channel[0].axis = {0.0, 0.0, 1.0};
   state.channel[0].entry_m = {0.001, 0.0, kLayerNeedleM};
   state.channel[0].depth_m = 0.006;
-  needle->write(state);
+  needle->write(seen);
   ASSERT_TRUE(ticks_->push({.position_m = {0.001, 0.0, -0.005},
                             .force_n = {0.1, 0.0, 0.4},
                             .depth_m = 0.001}));
