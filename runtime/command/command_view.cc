@@ -207,6 +207,8 @@ void watch(ViewFlags& flags, const ResponseDatabase& database) {
   }
   const auto needle = std::make_unique<NeedleWatch>();
   options.watch_needle = needle.get();
+  const auto friction = std::make_unique<FrictionWatch>();
+  options.watch_friction = shows_friction(body.table) ? friction.get() : nullptr;
   WatchView view(body, options, *ticks);
   const SimulationReport report = look_on(flags, body, view, [&] {
     return simulate(database, options, stop);
@@ -247,13 +249,16 @@ void steer_scene(const ViewFlags& flags) {
 void watch_scene(ViewFlags& flags) {
   const std::atomic<bool>& stop = stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
-  const SimulationOptions options = watched_options(flags, *ticks);
+  const auto friction = std::make_unique<FrictionWatch>();
+  SimulationOptions options = watched_options(flags, *ticks);
   const auto client =
       join_scene(flags.database, flags.scene,
                  flags.device.tools.empty() ? "" : flags.device.tools.front());
   const ServedScene& scene = client->scene(stop);
   const ResponseDatabase database = body_of(scene, client->tool());
   GrowingElements elements(database.body, database.normal, database.tools.front().tool);
+  options.watch_friction =
+      shows_friction(database.tools.front()) ? friction.get() : nullptr;
   const ViewedBody body = viewed_scene(scene, {.database = database,
                                                .table = database.tools.front(),
                                                .name = shown_name(flags),

@@ -124,6 +124,7 @@ void set_spring(FrictionSpring& spring, const FieldPlace& place,
     return;
   }
   const Real pressed_n = std::max(Real(0.0), normal_n);
+  spring.limit_n = friction.coefficient * pressed_n;
   if (friction.lateral) {
     set_by_body(spring, place, friction, pressed_n);
     return;
@@ -134,7 +135,7 @@ void set_spring(FrictionSpring& spring, const FieldPlace& place,
     spring.by_body = false;
   }
   const Real before = spring.n_per_m;
-  const Real now = friction.coefficient * pressed_n / friction.presliding_m;
+  const Real now = spring.limit_n / friction.presliding_m;
   spring.n_per_m = now;
   Vector3& t = spring.stretch_m;
   const Real length2 = t.squaredNorm();

@@ -32,6 +32,7 @@ struct FrictionSpring {
   Vector3 stretch_m = Vector3::Zero();       ///< [m] delta_t
   bool by_body = false;                      ///< K counts, else k_t
   Matrix3 tensor_n_per_m = Matrix3::Zero();  ///< [N/m] K, in the plane
+  Real limit_n = 0.0;                        ///< [N] >= 0 mu F_n
 
   /// On the contact.
   [[nodiscard]] Vector3 force_n() const noexcept {

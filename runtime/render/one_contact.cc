@@ -29,8 +29,8 @@ NeedleReport needle_report(const NeedleState& needle) {
 }  // namespace
 
 OneContact::OneContact(const FastConfig& config, ElementSender& stream,
-                       NeedleWatch* watch)
-    : stream_(stream), watch_(watch) {
+                       NeedleWatch* watch, FrictionWatch* rubbed)
+    : stream_(stream), watch_(watch), rubbed_(rubbed) {
   state_.config = config;
   state_.config.puncture = stream.puncture();
   if (const char* wrong = check(state_.config)) {
@@ -72,6 +72,9 @@ WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcep
 void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
   if (watch_ != nullptr) {
     watch_->write(needle());
+  }
+  if (rubbed_ != nullptr) {
+    static_cast<void>(rubbed_->push(friction()));  // a page that is late misses some
   }
   exchange_->tool.write({.sequence = static_cast<std::uint64_t>(ticks),
                          .time_ns = reading[0].time_ns,

@@ -7,6 +7,7 @@
 #include "runtime/fast/fast_step.h"
 #include "runtime/fast/switch_model.h"
 #include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/friction_seen.h"
 #include "runtime/render/needle_seen.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/slow/element_source.h"
@@ -24,9 +25,10 @@ struct RenderExchange {
 class OneContact : public RenderedBody {
  public:
   /// The stream must outlive it. @throws InputError if the configuration is not valid.
-  /// @param watch sees a needle in every tick; null: nobody looks on. It outlives this.
+  /// @param watch sees a needle in every tick, `rubbed` the friction; null: nobody
+  /// looks on. They outlive this.
   OneContact(const FastConfig& config, ElementSender& stream,
-             NeedleWatch* watch = nullptr);
+             NeedleWatch* watch = nullptr, FrictionWatch* rubbed = nullptr);
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
@@ -47,6 +49,9 @@ class OneContact : public RenderedBody {
   }
   [[nodiscard]] NeedleSeen needle() const noexcept override {
     return needle_seen(state_);
+  }
+  [[nodiscard]] FrictionSeen friction() const noexcept override {
+    return friction_seen(state_);
   }
   [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
@@ -78,6 +83,7 @@ class OneContact : public RenderedBody {
   std::unique_ptr<RenderExchange> exchange_ = std::make_unique<RenderExchange>();
   ElementSender& stream_;
   NeedleWatch* watch_;
+  FrictionWatch* rubbed_;
 };
 
 }  // namespace palpate

@@ -111,9 +111,9 @@ class ToolRun {
       : tool_(tool),
         one_(tool.setup.several != nullptr
                  ? nullptr
-                 : std::make_unique<OneContact>(tool.config.fast.fast,
-                                                *tool.setup.stream,
-                                                tool.setup.watch_needle)),
+                 : std::make_unique<OneContact>(
+                       tool.config.fast.fast, *tool.setup.stream,
+                       tool.setup.watch_needle, tool.setup.watch_friction)),
         body_(tool.setup.several != nullptr ? *tool.setup.several : *one_),
         fast_(tool.config.fast, devices(), body_, outputs(tool.setup)),
         slow_(body_),

@@ -34,6 +34,7 @@ struct RenderSetup {
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
   NeedleWatch* watch_needle = nullptr;       ///< shows the needle of every tick
+  FrictionWatch* watch_friction = nullptr;   ///< shows the friction of every tick
   KeptSurface surface = {};                  ///< what had stayed before
   /// Instead of the stream: tools that touch at several places ...
   RenderedBody* several = nullptr;

@@ -16,6 +16,7 @@
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/device/device.h"
 #include "runtime/render/contacts_seen.h"
+#include "runtime/render/friction_seen.h"
 #include "runtime/render/needle_seen.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/surface_dents.h"
@@ -65,6 +66,8 @@ class RenderedBody {
   [[nodiscard]] virtual BodyContact contact_at(int i) const noexcept = 0;
   /// Of a tool that punctures, as the latest step left it: not in a tick.
   [[nodiscard]] virtual NeedleSeen needle() const noexcept { return {}; }
+  /// Of a tool that touches at one place, likewise.
+  [[nodiscard]] virtual FrictionSeen friction() const noexcept { return {}; }
   [[nodiscard]] virtual Fault fault() const noexcept = 0;  ///< latched
   [[nodiscard]] virtual bool in_contact() const noexcept = 0;
   [[nodiscard]] virtual double work_j() const noexcept = 0;  ///< [J] by the ledger

@@ -217,6 +217,7 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
                       .flight = run.flight.get(),
                       .watch = run.report.options.watch,
                       .watch_needle = run.report.options.watch_needle,
+                      .watch_friction = run.report.options.watch_friction,
                       .surface = run.header.surface,
                       .several = run.several.get(),
                       .second = run.second.get()}});

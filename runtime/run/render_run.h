@@ -17,6 +17,7 @@
 #include "runtime/device/stability_margin.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/render/contacts_seen.h"
+#include "runtime/render/friction_seen.h"
 #include "runtime/render/needle_seen.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
@@ -79,6 +80,8 @@ struct SimulationOptions {
   /// Of a tool of several contacts, the latest one with all of them; likewise.
   ContactsWatch* watch_contacts = nullptr;
   NeedleWatch* watch_needle = nullptr;  ///< of a needle, the latest tick; likewise
+  /// Of a tool that touches at one place, every tick; likewise.
+  FrictionWatch* watch_friction = nullptr;
   /// What each tool of the body had left on it before; no tool: a fresh body.
   SurfaceState surface = {};
   /// Of the body, where a run before this one has found it.

@@ -266,6 +266,7 @@ std::string body_text(const ViewedBody& body) {
        {"tool", tool_json(body)},
        {"relaxes", !body.table.viscoelasticity.empty()},
        {"yields", !body.table.viscoelasticity.yielding.empty()},
+       {"rubs", body.hands.empty() && shows_friction(body.table)},
        {"displacement_fields", body.table.displacement.node.size()},
        {"models", models},
        {"served", body.coming_to_m > 0.0},
@@ -334,6 +335,9 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
   }
   if (frame.needle) {
     text += ",\"needle\":" + needle_text(*frame.needle, now);
+  }
+  if (frame.friction) {
+    text += ",\"friction\":" + friction_text(*frame.friction);
   }
   return text + ",\"trace\":" + trace_text(frame, ticks) + "}";
 }

@@ -17,6 +17,7 @@
 #include "runtime/served/growing_elements.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
+#include "runtime/view/view_friction.h"
 #include "runtime/view/view_hands.h"
 #include "runtime/view/view_needle.h"
 
@@ -98,9 +99,10 @@ struct ViewFrame {
   TickRecord now = {};
   ViewContact contact = {};
   std::vector<NodeDent> dents = {};
-  std::optional<ViewHands> hands = {};      ///< of several contacts or two hands
-  std::optional<ViewNeedle> needle = {};    ///< of a tool that punctures
-  std::optional<ViewService> service = {};  ///< of a body that is not whole yet
+  std::optional<ViewHands> hands = {};        ///< of several contacts or two hands
+  std::optional<ViewNeedle> needle = {};      ///< of a tool that punctures
+  std::optional<ViewFriction> friction = {};  ///< of a tool that rubs
+  std::optional<ViewService> service = {};    ///< of a body that is not whole yet
   ViewRun run = {};
   ViewSettings settings = {};
 };

@@ -143,6 +143,7 @@ ViewSession::ViewSession(const ResponseDatabase& database,
   const std::vector<const ResponseTable*> tables = find_tools(database, options.tools);
   body_ = steered(database, tables, options_);
   hands_.resize(tables.size());
+  rubs_ = tables.size() == 1 && shows_friction(*tables.front());
   const std::int32_t first = first_node(database, *tables.front());
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     seat(hands_[i], *tables[i],
@@ -185,6 +186,7 @@ void ViewSession::start() {
   Eigen::Map<Eigen::Vector3d>(latest_.position_m.data()) = hands_.front().start_m;
   Eigen::Map<Eigen::Vector3d>(latest_.second.position_m.data()) = hands_.back().start_m;
   ticks_.clear();
+  friction_ = {};
   slow_updates_ = 0;
 }
 
@@ -274,6 +276,9 @@ void ViewSession::tick() {
       device->close();
     }
   }
+  if (rubs_) {
+    friction_.add(body_->rendered().friction());
+  }
   if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
     static_cast<void>(slow_deadlines_.begin(clock_.now_ns()));
     slow_updates_ += body_->rendered().serve(clock_.now_ns()) ? 1 : 0;
@@ -327,6 +332,10 @@ ViewFrame ViewSession::frame() {
                                .slow_hz = options_.slow_hz,
                                .fast_hz = options_.fast_hz}};
   body_->show(hands_, frame);
+  if (rubs_) {
+    frame.friction =
+        view_friction(friction_, database_, table().tool, search_, latest_.triangle);
+  }
   return frame;
 }
 

@@ -22,11 +22,9 @@
 #include "runtime/render/fast_process.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/view/steered_body.h"
+#include "runtime/view/view_friction.h"
 
 namespace palpate {
-
-/// Ticks that wait to be taken, at most: the latest.
-constexpr std::size_t kTicksKept = 8191;
 
 struct ViewSessionOptions {
   std::vector<std::string> tools = {};  ///< 1, or 2 for two hands; none: the only one
@@ -111,6 +109,8 @@ class ViewSession {
   Deadlines slow_deadlines_;
   TickRecord latest_;
   std::vector<TickRecord> ticks_;
+  FrictionTrail friction_;
+  bool rubs_ = false;  // what the page shows
   std::int64_t slow_updates_ = 0;
 };
 

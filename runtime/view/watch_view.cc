@@ -38,6 +38,7 @@ WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
       ticks_(ticks),
       contacts_(options.watch_contacts),
       needle_(body.table.puncture.empty() ? nullptr : options.watch_needle),
+      rubbed_(shows_friction(body.table) ? options.watch_friction : nullptr),
       news_(news) {
   frame_.settings = {
       .model = options.model, .slow_hz = options.slow_hz, .fast_hz = options.fast_hz};
@@ -111,6 +112,14 @@ void WatchView::frame() {
       frame_.contact = tool_contact(body_.database, body_.table.tool, search_, tool,
                                     frame_.now.triangle, frame_.needle);
     }
+  }
+  if (rubbed_ != nullptr) {
+    while (const FrictionSeen* seen = rubbed_->front()) {
+      friction_.add(*seen);
+      rubbed_->pop();
+    }
+    frame_.friction = view_friction(friction_, body_.database, body_.table.tool,
+                                    search_, frame_.now.triangle);
   }
   frame_.state = state();
   frame_.fault = name(static_cast<Fault>(frame_.now.fault));

@@ -21,8 +21,8 @@ namespace palpate {
 class WatchView : public ViewApplication {
  public:
   /// All must outlive the view. @param ticks filled by the run, read here alone.
-  /// What `options` has of several contacts and needles, likewise. @param news of a
-  /// body whose responses come meanwhile; else null.
+  /// What `options` has of several contacts, needles and friction, likewise. @param
+  /// news of a body whose responses come meanwhile; else null.
   WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks,
             ServedNews* news = nullptr);
 
@@ -45,6 +45,8 @@ class WatchView : public ViewApplication {
   TickQueue& ticks_;
   ContactsWatch* contacts_;
   NeedleWatch* needle_;
+  FrictionWatch* rubbed_;
+  FrictionTrail friction_;
   ServedNews* news_;
   MonotonicClock clock_;
   ViewOutbox* outbox_ = nullptr;

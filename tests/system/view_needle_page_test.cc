@@ -56,6 +56,7 @@ TEST(ViewNeedlePage, ANeedleIsPushedInPulledOutAndFindsItsChannel) {
   EXPECT_EQ(seen["before"]["tubes"], Json::array());
   EXPECT_EQ(seen["before"]["membranes"], "0");
   EXPECT_TRUE(seen["before"]["plotted"]);
+  EXPECT_FALSE(seen["before"]["rubs"]);  // the tool has no friction
 
   const Json& in = seen["inserted"];
   expect_channel(in);

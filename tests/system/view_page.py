@@ -324,6 +324,7 @@ return {
   deepest_mm: Math.max(...needle.plot.passes.flat().map(([mm]) => mm)),
   force: text("force"), depth: text("depth"), membranes: text("membranes"), rupture: text("rupture"),
   layer: text("layer_now"), plotted: document.getElementById("needle_plot").checkVisibility(),
+  rubs: state.friction !== undefined || [...document.querySelectorAll(".of_friction")].some((part) => part.checkVisibility()),
 };
 """
 
@@ -368,6 +369,57 @@ def needle(page, watcher, seen):
     seen["reset"] = in_a_frame(page, NEEDLE)
 
 
+# The lateral spring, the surface and the loop, beside what the runtime said of them.
+FRICTION = """
+const { view, body, state, friction } = window.palpate;
+const text = (id) => document.getElementById(id).textContent;
+const { spring } = view;
+const now = view.surface.geometry.attributes.position.array;
+return {
+  state: { ...state, trace: null, friction: { ...state.friction, trace: null } },
+  anchor: spring.anchor.visible ? spring.anchor.position.toArray() : null, foot: spring.foot.position.toArray(),
+  colour: spring.material.color.getHexString(),
+  loop: friction.plot.loop, axis: friction.plot.axis,
+  rubs: text("rubs"), mm: text("lateral_mm"), newton: text("lateral_n"),
+  moved_m: Array.from(now, (x, i) => x - body.position[i]),
+  plotted: document.getElementById("lateral_plot").checkVisibility(),
+};
+"""
+
+
+# How far the contact is from the cursor [m].
+LAG = """
+const { place, state } = window.palpate;
+return Math.hypot(...place.point.map((v, k) => v - state.contact_m[k]));
+"""
+
+
+def friction(page, watcher, seen):
+    """A contact that is moved sideways: it sticks, slips, and goes there and back."""
+    seen["above"] = in_a_frame(page, FRICTION)
+    page.keys("p")
+    page.steady()
+    settled(page)
+    seen["pressed"] = in_a_frame(page, FRICTION)
+    page.keys(Keys.ARROW_RIGHT)
+    page.wait(lambda: page.number("lateral_n") > 0.05)
+    settled(page)
+    seen["sticks"] = in_a_frame(page, FRICTION)
+    page.picture("friction_sticks")
+    seen["loops"] = []
+    for keys in (7 * Keys.ARROW_RIGHT, 8 * Keys.ARROW_LEFT, 8 * Keys.ARROW_RIGHT):
+        page.keys(keys)
+        page.wait(lambda: in_a_frame(page, LAG) < 2e-3)
+        settled(page)
+        page.wait(lambda: page.text("rubs") == "slips")
+        seen["loops"].append(in_a_frame(page, "return window.palpate.friction.plot.loop;"))
+    seen["slips"] = in_a_frame(page, FRICTION)
+    page.picture("friction_loop")
+    page.keys(Keys.ESCAPE)
+    page.wait(lambda: page.text("state") == "free" and page.text("force") == "0.000")
+    seen["lifted"] = in_a_frame(page, FRICTION)
+
+
 def main():
     tool, database, *more = sys.argv[1:]
     flat = "--no-3d" in more
@@ -403,6 +455,8 @@ def main():
             pinch(page, watcher, seen)
         elif "--needle" in more:
             needle(page, watcher, seen)
+        elif "--friction" in more:
+            friction(page, watcher, seen)
         else:
             if not flat:
                 poke_by_mouse(page, watcher, seen)

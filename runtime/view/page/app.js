@@ -3,6 +3,7 @@
 import { BodyView } from "/body_view.js";
 import { CurvePlot, handRows, TickPlots } from "/plots.js";
 import { drawArrowKey, drawColourBar, drawScaleBar } from "/bars.js";
+import { Friction } from "/friction.js";
 import { fetchBody, Link } from "/link.js";
 import { Grip, GripPanel } from "/grip.js";
 import { History } from "/history.js";
@@ -28,6 +29,7 @@ class App {
     this.plots = new TickPlots(get("plots"), this.history, rows);
     this.curve = new CurvePlot(get("curve_plot"));
     this.needle = body.text.puncture ? new Needle(body) : null;
+    this.friction = body.text.rubs ? new Friction() : null;
     this.pressMax = deepestPress(body.text);
     this.press = 0.6 * body.text.depth_max_m;
     this.place = null;    // the cursor on the surface
@@ -85,6 +87,7 @@ class App {
     this.history.add({ ...state.trace, ...state.loads });
     this.fresh = true;
     this.needle?.take(state);
+    this.friction?.plot.take(state);
     if (!this.place) {
       this.setPlace(this.grip ? this.grip.start(state) : this.surface.under(state.tool_m));
     }
@@ -287,6 +290,7 @@ class App {
     dataset.theme = dataset.theme === "dark" ? "light" : "dark";
     this.plots.build();
     this.needle?.plot.build();
+    this.friction?.plot.build();
     this.view?.recolour();
   }
 
@@ -303,6 +307,7 @@ class App {
       this.drawn = now;
       this.plots.draw();
       this.needle?.plot.draw();
+      this.friction?.plot.draw();
       if (this.state && !this.grip) {
         // In a channel a needle is on no curve.
         this.curve.at(this.state.needle?.in >= 0 ? 0 : this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
@@ -322,6 +327,7 @@ class App {
     put("force", Math.hypot(...state.force_n).toFixed(3));
     this.contacts?.show(state, put);
     this.needle?.show(state, put);
+    this.friction?.show(state, put);
     if (state.service) {
       this.served?.show(state);
     }

@@ -2,6 +2,7 @@
 import * as three from "/vendor.min.js";
 import { ContactTools } from "/contact_tools.js";
 import { colourRamp } from "/figures.js";
+import { LateralSpring } from "/lateral_spring.js";
 import { NeedleTool } from "/needle_tool.js";
 import { css, lay, rod } from "/shapes.js";
 import { toolGeometries } from "/tool_shape.js";
@@ -139,6 +140,9 @@ export class BodyView {
       mesh.visible = false;
     }
     this.scene.add(this.tool, this.hand, this.band, this.arrow, this.head, this.marker, this.pick, this.cursor);
+    if (this.body.text.rubs) {
+      this.spring = new LateralSpring(this.scene, thin);
+    }
     if (this.body.text.hands) {
       this.contacts = new ContactTools(this.scene, this.body.text.hands, this.size, handle, this.metresPerNewton);
       this.tool.visible = false;
@@ -259,6 +263,7 @@ export class BodyView {
       hand.add(grip);
       this.presses += this.needle.show(state) ? 1 : 0;
     }
+    this.spring?.show(state);
     this.hand.visible = state.holding;
     this.hand.position.copy(hand);
     lay(this.band, tool, hand);
@@ -296,10 +301,10 @@ export class BodyView {
     const numbers = [this.width, this.height, ...this.camera.matrixWorld.elements, ...this.camera.projectionMatrix.elements,
                      this.presses];
     for (const mesh of [this.wire, this.normals, this.tool, this.hand, this.band, this.arrow, this.marker, this.pick, this.cursor,
-                        ...(this.contacts?.moving ?? [])]) {
+                        ...(this.contacts?.moving ?? []), ...(this.spring?.parts ?? [])]) {
       numbers.push(mesh.visible ? 1 : 0, ...mesh.position.toArray(), mesh.scale.y, mesh.quaternion.x, mesh.quaternion.y);
     }
-    numbers.push(this.arrow.material.color.getHex());
+    numbers.push(this.arrow.material.color.getHex(), this.spring?.material.color.getHex() ?? 0);
     const picture = numbers.map((v) => v.toPrecision(7)).join(" ");
     const differs = picture !== this.picture;
     this.picture = picture;

@@ -1,19 +1,17 @@
 // Force along a needle against the depth of its tip, as it is made: layers as bands, and
 // where membranes broke.
-import { uPlot } from "/vendor.min.js";
-import { axis, colour, titled } from "/plots.js";
+import { PathPlot } from "/path_plot.js";
+import { colour } from "/plots.js";
 
 const kPasses = 4;      // that are shown, the last one clearly
 const kPoints = 3000;   // of each
 const kStepMm = 0.02;   // between points, or ...
 const kStepN = 0.002;
 
-export class NeedlePlot {
+export class NeedlePlot extends PathPlot {
   constructor(parent, puncture) {
-    this.parent = parent;
+    super(parent, "Force along the needle [N] against depth of the tip");
     this.puncture = puncture;
-    this.clear();
-    this.build();
   }
 
   clear() {
@@ -21,20 +19,6 @@ export class NeedlePlot {
     this.inside = false;
     this.channel = null;  // whose layers are shown: the one that the needle is or was in
     this.marks = [];      // { depth_mm, force_n, material } of membranes that broke there
-    this.fresh = true;
-  }
-
-  build() {
-    this.parent.replaceChildren();
-    const range = (name) => () => this.range()[name];
-    this.plot = new uPlot({
-      width: Math.max(240, this.parent.clientWidth - 2), height: 172, legend: { show: false }, cursor: { show: false },
-      padding: [8, 8, 0, 0],
-      scales: { x: { time: false, range: range("x") }, y: { range: range("y") } },
-      axes: [axis({ size: 26, values: (_, v) => v.map((mm) => `${mm} mm`) }), axis({ size: 46, space: 26 })],
-      series: [{}, { paths: () => null, points: { show: false } }],
-      hooks: { drawClear: [() => this.drawLayers()], draw: [() => this.drawPasses()] },
-    }, [[0, 1], [0, 1]], titled(this.parent, "Force along the needle [N] against depth of the tip"));
     this.fresh = true;
   }
 
@@ -87,16 +71,8 @@ export class NeedlePlot {
     return { x: [0, 1.06 * Math.max(deep, 1.1e3 * (layers.at(-1) ?? 0))], y: [1.15 * low, 1.15 * high] };
   }
 
-  draw() {
-    if (this.fresh) {
-      this.fresh = false;
-      const { x, y } = this.range();
-      this.plot.setData([x, y]);
-    }
-  }
-
   // Bands and boundaries of the layers below the place.
-  drawLayers() {
+  drawBehind() {
     if (!this.channel) {
       return;
     }
@@ -130,46 +106,20 @@ export class NeedlePlot {
     ctx.restore();
   }
 
-  drawPasses() {
-    const { ctx, bbox: { left, top, width, height } } = this.plot;
-    const ratio = devicePixelRatio;
-    const pixel = ([mm, force]) => [this.plot.valToPos(mm, "x", true), this.plot.valToPos(force, "y", true)];
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(left, top, width, height);
-    ctx.clip();
-    ctx.strokeStyle = colour("force");
-    ctx.lineWidth = 1.5 * ratio;
+  drawPaths() {
     this.passes.forEach((pass, i) => {
-      ctx.globalAlpha = i + 1 === this.passes.length ? 1 : 0.35;
-      ctx.beginPath();
-      pass.forEach((point) => ctx.lineTo(...pixel(point)));
-      ctx.stroke();
+      this.path(pass, "force", { alpha: i + 1 === this.passes.length ? 1 : 0.35 });
     });
-    ctx.globalAlpha = 1;
-    ctx.font = `600 ${11 * ratio}px system-ui, sans-serif`;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
+    const { ctx } = this.plot;
     for (const { depth_mm: mm, force_n: force, material } of this.marks) {
-      const [x, y] = pixel([mm, force]);
-      this.disc(ctx, x, y, 4 * ratio, colour(`layer${material % 8}`));
+      const [x, y] = this.pixel([mm, force]);
+      this.disc([mm, force], `layer${material % 8}`);
       ctx.fillStyle = colour("text");
-      ctx.fillText(force.toFixed(2), x + 7 * ratio, y);
+      ctx.fillText(force.toFixed(2), x + 7 * devicePixelRatio, y);
     }
     const now = this.inside ? this.passes.at(-1)?.at(-1) : null;
     if (now) {
-      this.disc(ctx, ...pixel(now), 4 * ratio, colour("hand"));
+      this.disc(now, "hand");
     }
-    ctx.restore();
-  }
-
-  disc(ctx, x, y, radius, fill) {
-    ctx.beginPath();
-    ctx.arc(x, y, radius, 0, 2 * Math.PI);
-    ctx.fillStyle = fill;
-    ctx.fill();
-    ctx.strokeStyle = colour("ground");
-    ctx.lineWidth = 0.3 * radius;
-    ctx.stroke();
   }
 }

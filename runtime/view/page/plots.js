@@ -2,7 +2,7 @@
 import { uPlot } from "/vendor.min.js";
 import { Plot } from "/figures.js";
 
-const kWindowS = 8;
+export const kWindowS = 8;
 const kPoints = 1600;
 
 export function colour(name) {

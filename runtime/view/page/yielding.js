@@ -3,22 +3,29 @@
 
 const kCacheBytes = 64e6;
 
+const ballRadius = (tool) => (tool.kind === "mesh" ? tool.shape.half_width_m : tool.radius_m);
+
+// Of the contact that dimple() is about [m].
+function contactRadius(tool, depth) {
+  return tool.kind === "flat-punch" ? tool.radius_m
+    : tool.kind === "cone" ? (2 / Math.PI) * depth * Math.tan(tool.half_angle_rad)
+      : Math.sqrt(ballRadius(tool) * depth);
+}
+
 // Depth of the surface at distance r from the axis of a tool pressed into an elastic
 // half-space without friction: a ball (Hertz), a flat punch (Boussinesq), a sharp cone
 // (Love); Johnson, Contact Mechanics, 3.4 and 5.2. Capsules and meshes: as a ball.
 function dimple(tool, depth) {
   const { asin, sqrt, tan, PI } = Math;
+  const a = contactRadius(tool, depth);
   if (tool.kind === "flat-punch") {
-    const a = tool.radius_m;
     return (r) => (r < a ? depth : (2 / PI) * depth * asin(a / r));
   }
   if (tool.kind === "cone") {
-    const a = (2 / PI) * depth * tan(tool.half_angle_rad);
     return (r) => (r < a ? depth - r / tan(tool.half_angle_rad)
                          : (2 / PI) * depth * (asin(a / r) + (sqrt(r * r - a * a) - r) / a));
   }
-  const radius = tool.kind === "mesh" ? tool.shape.half_width_m : tool.radius_m;
-  const a = sqrt(radius * depth);
+  const radius = ballRadius(tool);
   return (r) => (r < a ? depth - (r * r) / (2 * radius)
                        : ((2 * a * a - r * r) * asin(a / r) + a * sqrt(r * r - a * a)) / (PI * radius));
 }
@@ -108,12 +115,14 @@ export class Yielding {
   press(state) {
     const { dents } = state;
     const { tool } = this.body.text;
+    const { anchor, stretch_m: stretch } = state.friction ?? {};  // of a contact that rubs
     const pressed = state.contacts
       ? state.contacts.filter(({ own_m }) => own_m > 0).map(({ radius_m, nodes, shares, point_m: point, normal, own_m: depth }) =>
         ({ nodes: radius_m === tool.radius_m ? nodes : [-1, -1, -1], shares, point, normal, depth, tool: { kind: "sphere", radius_m } }))
-      : [{ nodes: state.contact_nodes, shares: state.contact_shares, point: state.contact_m, normal: state.normal, depth: state.penetration_m, tool }];
+      : anchor ? [{ ...anchor, point: anchor.point_m, depth: state.penetration_m, tool, stretch }]
+        : [{ nodes: state.contact_nodes, shares: state.contact_shares, point: state.contact_m, normal: state.normal, depth: state.penetration_m, tool }];
     const parts = pressed.map(({ nodes, shares }) => this.parts(nodes, shares));
-    const drawn = pressed.map(({ nodes, shares, point, normal, depth }) => (depth > 0 ? [nodes, shares, point, normal, depth].join() : "")).join() +
+    const drawn = pressed.map(({ nodes, shares, point, normal, depth, stretch: by }) => (depth > 0 ? [nodes, shares, point, normal, depth, by].join() : "")).join() +
       dents.depth_m.map((d) => d.toPrecision(3)).join();
     const stored = parts.map((each) => each.reduce((all, [field, share]) => all + (field ? share : 0), 0));
     if (stored.length > 0) {
@@ -124,7 +133,7 @@ export class Yielding {
     }
     this.drawn = drawn;
     this.position.set(this.body.position);
-    pressed.forEach(({ point, normal, depth, tool: shape }, i) => {
+    pressed.forEach(({ point, normal, depth, tool: shape, stretch: by }, i) => {
       if (depth > 0) {
         for (const [field, share] of parts[i]) {
           if (field) {
@@ -132,6 +141,7 @@ export class Yielding {
           }
         }
         this.addTemplate(shape, point, normal, depth, 1 - stored[i]);
+        this.addShear(contactRadius(shape, depth), point, by ?? [0, 0, 0]);
       }
     });
     this.addDents(dents);
@@ -177,6 +187,15 @@ export class Yielding {
       for (let k = 0; k < 3; ++k) {
         position[i + k] -= down * normal[k];
       }
+    }
+  }
+
+  // A contact that sticks takes the surface with it: a disc moved sideways on a half-space
+  // without Poisson's effect, whose profile is that of a punch pressed in.
+  addShear(radius, point, stretch) {
+    const length = Math.hypot(...stretch);
+    if (length > 0) {
+      this.addTemplate({ kind: "flat-punch", radius_m: radius }, point, stretch.map((v) => -v / length), length, 1);
     }
   }
 

@@ -64,6 +64,7 @@ TEST(CoulombSpring, FrictionAndPreslidingAreThoseOfThePlace) {
   FrictionSpring spring;
   set_spring(spring, place_with(kMiddle), *cache, kPressDepthM, 2.0);
   EXPECT_DOUBLE_EQ(spring.n_per_m, friction * 2.0 / presliding_m);
+  EXPECT_DOUBLE_EQ(spring.limit_n, friction * 2.0);
   // Weights below zero, beyond an edge, count as none.
   set_spring(spring, place_with({1.0, 0.0, -0.5}), *cache, kPressDepthM, 2.0);
   EXPECT_DOUBLE_EQ(spring.n_per_m, 0.1 * 2.0 / 2e-4);

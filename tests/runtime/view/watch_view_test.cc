@@ -207,6 +207,46 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   EXPECT_NEAR(frame["penetration_m"], 0.0, 1e-15);
 }
 
+// Of a contact that rubs, every tick that the fast thread showed.
+TEST_F(WatchViewTest, ShowsFriction) {
+  const auto rubbed = std::make_unique<FrictionWatch>();
+  SimulationOptions watched = options();
+  watched.watch_friction = rubbed.get();
+  WatchView view(body_, watched, *ticks_);
+  view.answer_through(outbox_);
+  view.opened(1);
+  view.frame();
+  EXPECT_EQ(outbox_.frame[1]["friction"]["state"], "free");
+  FrictionSeen seen;
+  seen.n_per_m = 100.0;
+  seen.limit_n = 0.2;
+  seen.normal = {0.0, 0.0, 1.0};
+  for (int i = 0; i < 3; ++i) {
+    seen.tool_m = {0.001 * i, 0.0, 0.003};
+    seen.stretch_m = {0.001 * i, 0.0, 0.0};
+    seen.force_n = {-0.1 * i, 0.0, 0.0};
+    ASSERT_TRUE(rubbed->push(seen));
+  }
+  view.frame();
+  const nlohmann::json& friction = outbox_.frame[1]["friction"];
+  EXPECT_EQ(friction["state"], "slips");
+  EXPECT_EQ(friction["trace"]["limit_n"].size(), 3U);
+  EXPECT_EQ(friction["trace"]["slid_m"][6], 0.002);
+  EXPECT_NEAR(friction["anchor"]["point_m"][0], 0.0, 1e-12);
+  ResponseDatabase smooth = database_;
+  smooth.tools[0].tool.friction = 0.0;
+  smooth.tools[0].friction.assign(smooth.tools[0].friction.size(), 0.0);
+  const ViewedBody body{.database = smooth,
+                        .table = smooth.tools[0],
+                        .name = "plate",
+                        .device = "falcon"};
+  WatchView none(body, watched, *ticks_);
+  none.answer_through(outbox_);
+  none.opened(2);
+  none.frame();
+  EXPECT_FALSE(outbox_.frame[2].contains("friction"));
+}
+
 TEST_F(WatchViewTest, ShowsAFault) {
   view_.opened(1);
   TickRecord tick;
