@@ -1,7 +1,6 @@
 // palpate-fit insertion: passes of a needle in, ruptures, cutting forces, friction out.
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -10,11 +9,12 @@
 
 #include "fitting/command/commands.h"
 #include "fitting/command/curve_file.h"
+#include "fitting/command/estimate_text.h"
 #include "fitting/command/machine_options.h"
+#include "fitting/curve/parameter_json.h"
 #include "fitting/insertion/insertion_json.h"
 #include "fitting/insertion/insertion_scene.h"
 #include "fitting/insertion/toughness.h"
-#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/base/units.h"
@@ -96,9 +96,9 @@ InsertionRead read_insertion(InsertionOptions& options) {
   return read;
 }
 
-std::vector<NeedleEstimate> toughness_of_layers(const NeedleFit& fit,
-                                                const InsertionOptions& options) {
-  std::vector<NeedleEstimate> found;
+std::vector<IntervalEstimate> toughness_of_layers(const NeedleFit& fit,
+                                                  const InsertionOptions& options) {
+  std::vector<IntervalEstimate> found;
   for (const FittedLayer& layer : fit.layers) {
     if (options.edge_width_mm) {
       found.push_back(toughness_of(layer.cutting_n, *options.edge_width_mm * 1e-3));
@@ -109,7 +109,7 @@ std::vector<NeedleEstimate> toughness_of_layers(const NeedleFit& fit,
 
 void print_insertion_json(const InsertionRead& read, const NeedlePath& path,
                           const NeedleFit& fit,
-                          const std::vector<NeedleEstimate>& toughness) {
+                          const std::vector<IntervalEstimate>& toughness) {
   nlohmann::ordered_json json;
   json["files"] = nlohmann::ordered_json::array();
   for (const CurveRead& file : read.files) {
@@ -134,17 +134,6 @@ void print_insertion_json(const InsertionRead& read, const NeedlePath& path,
     }
   }
   fmt::print("{}\n", json_text(json));
-}
-
-void print_estimate(const std::string& name, const NeedleEstimate& e,
-                    const std::string& rest) {
-  if (!e.refused.empty()) {
-    fmt::print("{:<24} none: {}\n", name, e.refused);
-    return;
-  }
-  const std::string spread = fmt::format(" +- {:.2g}", e.sd);
-  fmt::print("{:<24} {:>13.6g}{:<10} {:<6} [{:.5g}, {:.5g}]\n", name, e.value, spread,
-             rest, e.low, e.high);
 }
 
 void print_passes(const InsertionRead& read, const NeedlePath& path,
@@ -186,7 +175,7 @@ void print_layer(const FittedRupture& rupture, const FittedLayer& layer,
 
 void print_insertion(const InsertionRead& read, const NeedlePath& path,
                      const NeedleFit& fit,
-                     const std::vector<NeedleEstimate>& toughness) {
+                     const std::vector<IntervalEstimate>& toughness) {
   print_passes(read, path, fit);
   fmt::print("{:<24} c (z - z0)^n before rupture\n", "law");
   print_estimate("coefficient c", fit.coefficient, "N/m^n");
@@ -214,17 +203,11 @@ void print_insertion(const InsertionRead& read, const NeedlePath& path,
     fmt::print("{:<24} residuals in the tissue are larger than before contact\n",
                "misfit");
   }
-  for (const NeedleEstimate& one : toughness) {
+  for (const IntervalEstimate& one : toughness) {
     if (const std::string warning = toughness_warning(one); !warning.empty()) {
       fmt::print("{:<24} {}\n", "warning", warning);
     }
   }
-}
-
-void write_scene(const std::string& text, const std::string& file) {
-  AtomicFile atomic(file);
-  atomic.write(std::as_bytes(std::span(text)));
-  atomic.commit();
 }
 
 void run_insertion(InsertionOptions& options) {
@@ -235,22 +218,19 @@ void run_insertion(InsertionOptions& options) {
     throw InputError("--cycle: insertion fits all passes of its files together");
   }
   const InsertionRead read = read_insertion(options);
-  std::string names;
-  for (const std::string& file : options.files) {
-    names += (names.empty() ? "" : ", ") + file;
-  }
   try {
     const NeedlePath path =
         find_needle_path(read.samples, read.frame ? &read.frame->frame : nullptr);
     const NeedleFit fit = fit_needle(path);
     const auto toughness = toughness_of_layers(fit, options);
     if (!options.scene.empty()) {
-      write_scene(insertion_scene(fit, *options.edge_width_mm * 1e-3), options.scene);
+      write_scene_part(insertion_scene(fit, *options.edge_width_mm * 1e-3),
+                       options.scene);
     }
     options.json ? print_insertion_json(read, path, fit, toughness)
                  : print_insertion(read, path, fit, toughness);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", names, error.what()));
+    throw InputError(fmt::format("{}: {}", joined_names(options.files), error.what()));
   }
 }
 

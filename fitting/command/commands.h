@@ -8,6 +8,7 @@ namespace palpate {
 void add_batch_command(Command app);
 void add_curve_command(Command app);
 void add_insertion_command(Command app);
+void add_lateral_command(Command app);
 void add_material_command(Command app);
 void add_fit_report_command(Command app);
 void add_surface_command(Command app);

@@ -8,7 +8,8 @@ int main(int argc, char** argv) {
   return palpate::run_tool(
       "palpate-fit", "Fits measured indentations.",
       {&palpate::add_curve_command, &palpate::add_insertion_command,
-       &palpate::add_batch_command, &palpate::add_fit_report_command,
-       &palpate::add_surface_command, &palpate::add_material_command},
+       &palpate::add_lateral_command, &palpate::add_batch_command,
+       &palpate::add_fit_report_command, &palpate::add_surface_command,
+       &palpate::add_material_command},
       argc, argv);
 }

@@ -1,5 +1,7 @@
 #include "fitting/curve/parameter_json.h"
 
+#include <cmath>
+
 namespace palpate {
 
 nlohmann::ordered_json to_json(const std::vector<FitParameter>& parameters) {
@@ -28,6 +30,22 @@ nlohmann::ordered_json to_json(const std::vector<FitFlag>& flags) {
     list.push_back(flag_name(flag));
   }
   return list;
+}
+
+nlohmann::ordered_json to_json(const IntervalEstimate& estimate) {
+  nlohmann::ordered_json json;
+  if (!estimate.refused.empty()) {
+    json["value"] = nullptr;
+    json["refused"] = estimate.refused;
+    if (std::isfinite(estimate.above)) {
+      json["above"] = estimate.above;
+    }
+    return json;
+  }
+  json["value"] = estimate.value;
+  json["standard_deviation"] = estimate.sd;
+  json["interval_95"] = {estimate.low, estimate.high};
+  return json;
 }
 
 }  // namespace palpate

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "fitting/curve/parameter_json.h"
+
 namespace palpate {
 namespace {
 
@@ -27,19 +29,6 @@ nlohmann::ordered_json layer_json(const FittedLayer& layer) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json to_json(const NeedleEstimate& estimate) {
-  nlohmann::ordered_json json;
-  if (!estimate.refused.empty()) {
-    json["value"] = nullptr;
-    json["refused"] = estimate.refused;
-    return json;
-  }
-  json["value"] = estimate.value;
-  json["standard_deviation"] = estimate.sd;
-  json["interval_95"] = {estimate.low, estimate.high};
-  return json;
-}
 
 nlohmann::ordered_json to_json(const NeedleFit& fit) {
   nlohmann::ordered_json json;

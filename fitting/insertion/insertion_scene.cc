@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-double needed(const NeedleEstimate& estimate, const std::string& what) {
+double needed(const IntervalEstimate& estimate, const std::string& what) {
   if (!estimate.refused.empty()) {
     throw InputError(fmt::format("a scene needs {}, which was not found: {}", what,
                                  estimate.refused));
@@ -20,13 +20,13 @@ double needed(const NeedleEstimate& estimate, const std::string& what) {
 }
 
 // Keys of a scene have ranges, which the noise of an estimate may leave.
-std::string key(const char* name, const NeedleEstimate& estimate, double least) {
+std::string key(const char* name, const IntervalEstimate& estimate, double least) {
   return estimate.refused.empty()
              ? fmt::format(", {} = {:.6g}", name, std::max(least, estimate.value))
              : std::string();
 }
 
-std::string refusal_of(const char* name, const NeedleEstimate& estimate) {
+std::string refusal_of(const char* name, const IntervalEstimate& estimate) {
   return estimate.refused.empty() ? std::string()
                                   : fmt::format("# {}: {}\n", name, estimate.refused);
 }
@@ -35,8 +35,8 @@ std::string material(const NeedleFit& fit, std::size_t k, double edge_width_m,
                      const std::string& region) {
   const FittedLayer& layer = fit.layers[k];
   (void)needed(layer.cutting_n, fmt::format("the cutting force of layer {}", k + 1));
-  const NeedleEstimate toughness = toughness_of(layer.cutting_n, edge_width_m);
-  const NeedleEstimate& membrane_n = fit.ruptures[k].force_n;
+  const IntervalEstimate toughness = toughness_of(layer.cutting_n, edge_width_m);
+  const IntervalEstimate& membrane_n = fit.ruptures[k].force_n;
   const std::string ratio = layer.friction_n_per_m.refused.empty()
                                 ? key("static_ratio", fit.static_ratio, 1.0)
                                 : std::string();

@@ -31,7 +31,7 @@ struct Solution {
   [[nodiscard]] bool held(int parameter) const {
     return solved.held[static_cast<std::size_t>(parameter)];
   }
-  [[nodiscard]] NeedleEstimate parameter(int j) const {
+  [[nodiscard]] IntervalEstimate parameter(int j) const {
     return estimate(
         [j](const Parameters& q) {
           return q[j];
@@ -72,7 +72,7 @@ struct Solution {
   }
 };
 
-NeedleEstimate rupture_fall(const Solution& s, std::size_t k) {
+IntervalEstimate rupture_fall(const Solution& s, std::size_t k) {
   return estimate(
       [&](const Parameters& q) {
         return s.tip(q, k, false) + s.shaft(q, k, false) - s.tip(q, k, true) -
@@ -110,7 +110,7 @@ FittedRupture rupture_of(const Solution& s, std::size_t k) {
         return s.tip(q, k, false);
       },
       s.solved.q, s.covariance, stiffness * half);
-  const NeedleEstimate fall = rupture_fall(s, k);
+  const IntervalEstimate fall = rupture_fall(s, k);
   rupture.fall_n = fall.value;
   rupture.deviations = fall.value / fall.sd;
   return rupture;
@@ -142,7 +142,7 @@ FittedLayer layer_of(const Solution& s, std::size_t k, bool separated) {
 }
 
 // rho of one extraction: (k_b u - Phi(turn)) / Phi(l) where the shaft begins to slide.
-NeedleEstimate static_ratio_of(const Solution& s, std::size_t p) {
+IntervalEstimate static_ratio_of(const Solution& s, std::size_t p) {
   const StuckSamples& stuck = s.solved.switches.stuck[p];
   const NeedlePass& pass = s.path.pass[p];
   if (stuck.count == StuckSamples::kUnknown) {
@@ -173,12 +173,12 @@ NeedleEstimate static_ratio_of(const Solution& s, std::size_t p) {
   const auto kinetic = [&](const Parameters& q) {
     return friction(q, pass.turn_m + q[turn]);
   };
-  const NeedleEstimate at_turn = estimate(kinetic, s.solved.q, s.covariance);
+  const IntervalEstimate at_turn = estimate(kinetic, s.solved.q, s.covariance);
   if (!(at_turn.value > kFrictionDeviations * at_turn.sd)) {
     return refused_estimate("not separated: the friction is within its error");
   }
   const double stiffness = s.solved.q[NeedleModel::kPresliding];
-  const NeedleEstimate ratio = estimate(
+  const IntervalEstimate ratio = estimate(
       [&](const Parameters& q) {
         return (q[NeedleModel::kPresliding] * (slides + q[turn]) - kinetic(q)) /
                friction(q, pass.turn_m - slides);
@@ -192,10 +192,10 @@ NeedleEstimate static_ratio_of(const Solution& s, std::size_t p) {
 }
 
 // Of the extraction that tells it best.
-NeedleEstimate static_ratio(const Solution& s) {
-  NeedleEstimate best = static_ratio_of(s, 0);
+IntervalEstimate static_ratio(const Solution& s) {
+  IntervalEstimate best = static_ratio_of(s, 0);
   for (std::size_t p = 1; p < s.path.pass.size(); ++p) {
-    NeedleEstimate other = static_ratio_of(s, p);
+    IntervalEstimate other = static_ratio_of(s, p);
     if (other.refused.empty() && (!best.refused.empty() || other.sd < best.sd)) {
       best = other;
     }
@@ -315,7 +315,7 @@ std::size_t least_sure_rupture(const Solution& s) {
   std::size_t worst = count;
   double least = limit;
   for (std::size_t k = 0; s.covariance.allFinite() && k < count; ++k) {
-    const NeedleEstimate fall = rupture_fall(s, k);
+    const IntervalEstimate fall = rupture_fall(s, k);
     const double deviations = fall.sd > 0.0 ? fall.value / fall.sd : 0.0;
     if (deviations < least) {
       least = deviations;

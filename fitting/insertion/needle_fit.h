@@ -11,42 +11,42 @@
 #include <string>
 #include <vector>
 
-#include "fitting/insertion/needle_estimate.h"
 #include "fitting/insertion/needle_events.h"
+#include "fitting/numerics/interval_estimate.h"
 
 namespace palpate {
 
 struct FittedRupture {
   int pass = 0;
-  double measured_m = 0.0;    ///< [m] depth of the needle in the file
-  NeedleEstimate depth_m;     ///< [m] the same below the contact point
-  NeedleEstimate boundary_m;  ///< [m] of the membrane below the surface at rest
-  NeedleEstimate force_n;     ///< [N] of the tip at the rupture
-  double fall_n = 0.0;        ///< [N] sudden fall of the force
-  double deviations = 0.0;    ///< [-] fall over its standard deviation
+  double measured_m = 0.0;      ///< [m] depth of the needle in the file
+  IntervalEstimate depth_m;     ///< [m] the same below the contact point
+  IntervalEstimate boundary_m;  ///< [m] of the membrane below the surface at rest
+  IntervalEstimate force_n;     ///< [N] of the tip at the rupture
+  double fall_n = 0.0;          ///< [N] sudden fall of the force
+  double deviations = 0.0;      ///< [-] fall over its standard deviation
 };
 
 /// Of the tissue behind a rupture.
 struct FittedLayer {
-  NeedleEstimate cutting_n;         ///< [N]
-  NeedleEstimate friction_n_per_m;  ///< [N/m] per inserted length
-  NeedleEstimate start_n;  ///< [N] cutting force and friction where the layer begins
-  NeedleEstimate slope_n_per_m;  ///< [N/m] of the force within the layer
+  IntervalEstimate cutting_n;         ///< [N]
+  IntervalEstimate friction_n_per_m;  ///< [N/m] per inserted length
+  IntervalEstimate start_n;  ///< [N] cutting force and friction where the layer begins
+  IntervalEstimate slope_n_per_m;  ///< [N/m] of the force within the layer
 };
 
 struct NeedleBaseline {
   double offset_n = 0.0;
-  NeedleEstimate drift_n;  ///< [N] over the file
+  IntervalEstimate drift_n;  ///< [N] over the file
 };
 
 struct NeedleFit {
-  NeedleEstimate coefficient, exponent, contact_m;  ///< [N/m^n], [-], [m]
-  std::vector<FittedRupture> ruptures;              ///< at least one
-  std::vector<FittedLayer> layers;                  ///< one of each rupture
-  NeedleEstimate static_ratio;                      ///< [-] rho
-  NeedleEstimate presliding_n_per_m;                ///< [N/m] k_b
-  std::vector<NeedleBaseline> baselines;            ///< (files)
-  double rms_n = 0.0;                               ///< [N] of the residuals
+  IntervalEstimate coefficient, exponent, contact_m;  ///< [N/m^n], [-], [m]
+  std::vector<FittedRupture> ruptures;                ///< at least one
+  std::vector<FittedLayer> layers;                    ///< one of each rupture
+  IntervalEstimate static_ratio;                      ///< [-] rho
+  IntervalEstimate presliding_n_per_m;                ///< [N/m] k_b
+  std::vector<NeedleBaseline> baselines;              ///< (files)
+  double rms_n = 0.0;                                 ///< [N] of the residuals
   double free_rms_n = 0.0;  ///< [N] of those before contact; NaN: too few
   bool misses = false;      ///< residuals in the tissue are beyond the noise before it
   bool converged = false;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "fitting/curve/sample_clock.h"
 #include "fitting/curve/segments.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
@@ -40,19 +41,6 @@ void check_file(const Measurement& m, std::size_t number) {
 double sign_of_insertion(const std::vector<double>& x) {
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   return x.front() - *low > *high - x.front() ? -1.0 : 1.0;
-}
-
-// [0, 1] over the file: time where it rises, else the number of the sample.
-std::vector<double> clock_of(const Measurement& m) {
-  const std::size_t n = m.depth_m.size();
-  const bool timed = !m.time_s.empty() && m.time_s.back() > m.time_s.front();
-  std::vector<double> clock(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    clock[i] =
-        timed ? (m.time_s[i] - m.time_s.front()) / (m.time_s.back() - m.time_s.front())
-              : static_cast<double>(i) / static_cast<double>(n - 1);
-  }
-  return clock;
 }
 
 // Extends an insertion over a hold, begins a new one after an extraction.
@@ -89,7 +77,7 @@ void append_needle_file(const Measurement& m, double sign, NeedlePath& path) {
     x *= sign;
   }
   const double least_move = kPassShareMin * extent(depth);
-  const std::vector<double> clock = clock_of(m);
+  const std::vector<double> clock = sample_clock(m.time_s, m.depth_m.size());
   path.depth_m.insert(path.depth_m.end(), depth.begin(), depth.end());
   path.force_n.insert(path.force_n.end(), m.force_n.begin(), m.force_n.end());
   path.clock.insert(path.clock.end(), clock.begin(), clock.end());

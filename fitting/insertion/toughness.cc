@@ -9,12 +9,12 @@
 
 namespace palpate {
 
-NeedleEstimate toughness_of(const NeedleEstimate& cutting_n, double edge_width_m) {
+IntervalEstimate toughness_of(const IntervalEstimate& cutting_n, double edge_width_m) {
   if (!(edge_width_m > 0.0) || !std::isfinite(edge_width_m)) {
     throw InputError(
         fmt::format("the edge is {} m wide, must be above 0 and finite", edge_width_m));
   }
-  NeedleEstimate toughness = cutting_n;
+  IntervalEstimate toughness = cutting_n;
   for (double* value :
        {&toughness.value, &toughness.sd, &toughness.low, &toughness.high}) {
     *value /= edge_width_m;
@@ -22,7 +22,7 @@ NeedleEstimate toughness_of(const NeedleEstimate& cutting_n, double edge_width_m
   return toughness;
 }
 
-std::string toughness_warning(const NeedleEstimate& toughness) {
+std::string toughness_warning(const IntervalEstimate& toughness) {
   if (!(toughness.value > kToughestPuncture)) {
     return "";
   }

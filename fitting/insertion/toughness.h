@@ -9,16 +9,16 @@
 
 #include <string>
 
-#include "fitting/insertion/needle_estimate.h"
+#include "fitting/numerics/interval_estimate.h"
 
 namespace palpate {
 
 /// Refused as the cutting force is. @param edge_width_m > 0. @throws InputError else.
-[[nodiscard]] NeedleEstimate toughness_of(const NeedleEstimate& cutting_n,
-                                          double edge_width_m);
+[[nodiscard]] IntervalEstimate toughness_of(const IntervalEstimate& cutting_n,
+                                            double edge_width_m);
 
 /// One sentence where the toughness is above kToughestPuncture (puncture.h); empty
 /// otherwise.
-[[nodiscard]] std::string toughness_warning(const NeedleEstimate& toughness);
+[[nodiscard]] std::string toughness_warning(const IntervalEstimate& toughness);
 
 }  // namespace palpate

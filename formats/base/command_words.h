@@ -26,11 +26,11 @@ inline constexpr RenamedOption kRenamedOptions[] = {
 
 /// Verbs of the four tools, as `--config` takes them for names of tables.
 inline constexpr std::string_view kTablesOfOptions[] = {
-    "batch",     "bench",    "body",   "build",  "calibrate", "check",  "curve",
-    "device",    "devices",  "diff",   "driver", "export",    "indent", "info",
-    "insertion", "material", "merge",  "pairs",  "picture",   "plan",   "probe",
-    "remesh",    "replay",   "report", "serve",  "simulate",  "slice",  "spheres",
-    "submit",    "surface",  "sweep",  "trade",  "view"};
+    "batch",     "bench",   "body",     "build",  "calibrate", "check",    "curve",
+    "device",    "devices", "diff",     "driver", "export",    "indent",   "info",
+    "insertion", "lateral", "material", "merge",  "pairs",     "picture",  "plan",
+    "probe",     "remesh",  "replay",   "report", "serve",     "simulate", "slice",
+    "spheres",   "submit",  "surface",  "sweep",  "trade",     "view"};
 
 /// Options that have a letter, too: the line's "-n 4" goes before a file's "sets".
 struct LetteredOption {

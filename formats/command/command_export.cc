@@ -1,8 +1,13 @@
-// palpate-db export: a database as VTU, CSV or JSON, or its pressure laws.
+// palpate-db export: a database as VTU, CSV or JSON, its pressure laws, or the taxels
+// under its tool.
+#include <charconv>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +18,7 @@
 #include "formats/command/commands.h"
 #include "formats/report/database_export.h"
 #include "formats/report/pressure_export.h"
+#include "formats/report/taxel_export.h"
 
 namespace palpate {
 namespace {
@@ -22,14 +28,64 @@ struct ExportFlags {
   std::string output;
   std::string tool;
   bool pressure_law = false;
+  std::string taxels;  // "16x16": columns, rows
+  double pitch_m = 0.001;
+  std::vector<double> at_m;
+  double depth_m = 0.0;
   bool json = false;
 };
 
-using Export = std::string (*)(const ResponseDatabase&, const ResponseTable&);
+using Export =
+    std::function<std::string(const ResponseDatabase&, const ResponseTable&)>;
 
-Export export_of(const std::string& output, bool pressure_law) {
+TaxelGrid grid_of(const ExportFlags& flags) {
+  TaxelGrid grid{.rows = 0, .columns = 0, .pitch_m = flags.pitch_m};
+  const char* const end = flags.taxels.data() + flags.taxels.size();
+  const auto columns = std::from_chars(flags.taxels.data(), end, grid.columns);
+  if (columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x') {
+    const auto rows = std::from_chars(columns.ptr + 1, end, grid.rows);
+    if (rows.ec == std::errc() && rows.ptr == end) {
+      return grid;
+    }
+  }
+  throw InputError(
+      fmt::format("--taxels is {:?}, must be COLUMNSxROWS: \"16x16\"", flags.taxels));
+}
+
+// Under the tool where it is pressed.
+Export taxels_of(const ExportFlags& flags, const std::string& extension) {
+  const TaxelGrid grid = grid_of(flags);
+  if (flags.at_m.empty()) {
+    throw InputError("--taxels needs --at x,y,z: where the tool is pressed");
+  }
+  if (flags.pressure_law) {
+    throw InputError("--taxels and --pressure-law exclude each other");
+  }
+  if (extension != ".csv" && extension != ".json") {
+    throw InputError(
+        fmt::format("{}: the extension is {:?}, must be .csv or .json of taxels",
+                    flags.output, extension));
+  }
+  return [flags, grid, extension](const ResponseDatabase& database,
+                                  const ResponseTable& table) {
+    const SurfaceSearch search(database.body);
+    const double depth_m = flags.depth_m > 0.0 ? flags.depth_m : table.depth_max_m();
+    const Taxels taxels =
+        taxels_at(database.body, database.normal, search, table,
+                  pressed_position_m(database.body, database.normal, search, table.tool,
+                                     Eigen::Vector3d(flags.at_m.data()), depth_m),
+                  grid);
+    return extension == ".csv" ? taxel_csv(taxels, grid) : taxel_json(taxels, grid);
+  };
+}
+
+Export export_of(const ExportFlags& flags) {
+  const std::string& output = flags.output;
   const std::string extension = std::filesystem::path(output).extension().string();
-  if (pressure_law) {
+  if (!flags.taxels.empty() || !flags.at_m.empty()) {
+    return taxels_of(flags, extension);
+  }
+  if (flags.pressure_law) {
     if (extension == ".csv" || extension == ".json") {
       return extension == ".csv" ? pressure_csv : pressure_json;
     }
@@ -51,7 +107,7 @@ Export export_of(const std::string& output, bool pressure_law) {
 }
 
 void run_export(const ExportFlags& flags) {
-  const Export text_of = export_of(flags.output, flags.pressure_law);
+  const Export text_of = export_of(flags);
   const ResponseDatabase database = read_database(flags.file);
   const std::string text = text_of(database, find_tool(database, flags.tool));
   AtomicFile file(flags.output);
@@ -81,6 +137,21 @@ void add_export_command(Command app) {
   command.add_flag(
       "--pressure-law", flags->pressure_law,
       "Write pressure by depth of a sphere's presses instead: .csv or .json");
+  command.add_option("--taxels", flags->taxels,
+                     "Write the pressures that COLUMNSxROWS taxels under the pressed "
+                     "tool read instead: .csv or .json");
+  command
+      .add_option("--at", flags->at_m,
+                  "Of taxels: press where the surface is nearest to x,y,z [m]")
+      .separated_by(',')
+      .values(3);
+  command
+      .add_option("--depth-m", flags->depth_m,
+                  "Of taxels: normal penetration [m]; if not given, the largest")
+      .positive();
+  command.add_option("--pitch-m", flags->pitch_m, "Of taxels: from one to the next [m]")
+      .positive()
+      .show_default();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     run_export(*flags);

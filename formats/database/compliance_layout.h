@@ -1,5 +1,5 @@
-// How a database holds the coupling of contacts, for whole files and for chunks, as
-// database_layout.h has the rest; only for the sources behind response_database.h and
+// How a database holds the coupling of contacts: in whole files and in chunks.
+// database_layout.h has the rest. Only for the sources behind response_database.h and
 // database_index.h.
 #pragma once
 

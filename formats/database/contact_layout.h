@@ -1,6 +1,6 @@
-// How a database holds pressures and lateral stiffnesses, for whole files and for
-// chunks, as database_layout.h has the rest; only for the sources behind
-// response_database.h and database_index.h.
+// How a database holds pressures and lateral stiffnesses: in whole files and in chunks.
+// database_layout.h has the rest. Only for the sources behind response_database.h and
+// database_index.h.
 #pragma once
 
 #include <cstdint>

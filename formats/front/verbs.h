@@ -43,7 +43,7 @@ inline constexpr std::array kVerbs = {
     Verb{"pairs", "palpate-precompute", "pairs", "Responses",
          "measures the error of coupled contacts"},
     Verb{"fit", "palpate-fit", "", "Measurements",
-         "curve, insertion, batch, surface, material: from lab data"},
+         "curve, insertion, lateral, batch, surface, material: from lab data"},
     Verb{"db", "palpate-db", "", "Databases",
          "info, check, diff, slice, merge, export, report, picture"},
     Verb{"view", "palpate-run", "view", "Rendering",

@@ -9,6 +9,7 @@
 
 #include "formats/base/error.h"
 #include "formats/measurement/column_name.h"
+#include "formats/measurement/lateral_choice.h"
 #include "formats/measurement/table_header.h"
 
 namespace palpate {
@@ -249,8 +250,13 @@ MeasurementColumns columns_of_lines(const std::string& file,
   std::optional<TableHeader> header;
   if (given.depth.column.empty() || given.force.column.empty()) {
     header = header_of(file, lines);
+  } else if (given.lateral) {
+    header = find_header(lines);  // may tell the normal force
   }
-  if (given.depth.column.empty() && given.force.column.empty()) {
+  if (given.lateral && header) {
+    take_lateral_columns(file, *header, columns, notes);
+  }
+  if (columns.depth.column.empty() && columns.force.column.empty()) {
     refuse_deflection(file, *header);
   }
   if (header && !given.time && notes != nullptr) {

@@ -16,6 +16,7 @@ namespace palpate {
 /// change, or a force in two units. One reading of 50 may be wild. Taken is a column
 /// without wild readings, of these the first whose values move upwards from where they
 /// begin; a note says so.
+/// Of a lateral test names choose among several (lateral_choice.h).
 /// @param file for messages. @param given columns with a name are kept, and units that
 /// are not empty. @param notes a clause for every choice among several; may be null.
 /// @throws InputError where there is none, or several that differ, naming those that

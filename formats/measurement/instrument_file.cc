@@ -163,6 +163,7 @@ MeasurementColumns given_columns(const InstrumentCurve& curve,
   columns.time = request.given.time  ? request.given.time
                  : request.with_time ? curve.columns.time
                                      : std::nullopt;
+  columns.lateral = request.given.lateral;
   return columns;
 }
 

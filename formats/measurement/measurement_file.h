@@ -25,9 +25,20 @@ struct MeasurementColumn {
 /// The unit is the one that the header, or the line of units below it, states.
 inline constexpr const char* kUnitFromHeader = "header";
 
+/// What a lateral test has beside a displacement and a force along it.
+struct LateralColumns {
+  std::optional<MeasurementColumn> normal = {};  ///< force that presses
+  std::optional<MeasurementColumn> across = {};  ///< displacement across the first
+  std::optional<MeasurementColumn> across_force = {};
+  bool normal_is_known = false;  ///< no column of normal forces is looked for
+};
+
 struct MeasurementColumns {
   MeasurementColumn depth, force;
   std::optional<MeasurementColumn> time = std::nullopt;
+  /// Of a lateral test, whose depth is the lateral displacement. Rows with NaN are then
+  /// left out, as a loop does without them.
+  std::optional<LateralColumns> lateral = std::nullopt;
 };
 
 /// What to do where the header states another unit than the caller.
@@ -38,6 +49,9 @@ struct MeasurementFile {
   std::string depth_column;  ///< the header's text, empty where there is none
   std::string force_column;
   std::string time_column;
+  /// (m) of LateralColumns, in SI units; empty where they are not asked for
+  std::vector<double> normal_n = {}, across_m = {}, across_n = {};
+  std::string normal_column = {};
   /// What the reader did beyond taking columns, a clause each; empty for plain tables.
   std::vector<std::string> notes = {};
 };

@@ -22,19 +22,40 @@ struct TableLayout {
   Cells header;                     // empty where the file has none
   Cells unit;                       // as many; empty texts where none is stated
   std::size_t begin = 0;            // first line below the header
-  std::vector<std::size_t> column;  // depth, force, and time where it is asked for
+  std::vector<std::size_t> column;  // of each column that is asked for
 };
-
-struct Request {
-  std::string file;  // for messages
-  std::vector<const MeasurementColumn*> column;
-  HeaderUnits header_units;
-};
-
-constexpr std::size_t kFirstRows = 3;
 
 constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
                                                      seconds_per};
+
+// Columns that are asked for, what they are, and where their samples go.
+struct Request {
+  std::string file;  // for messages
+  HeaderUnits header_units;
+  std::vector<const MeasurementColumn*> column = {};
+  std::vector<std::size_t> quantity = {};
+  std::vector<const char*> what = {};  // for messages: "normal force"
+  std::vector<std::vector<double>*> samples = {};
+  std::vector<std::string*> name = {};
+
+  void add(const MeasurementColumn& asked, std::size_t of, const char* called,
+           std::vector<double>& into, std::string& named) {
+    column.push_back(&asked);
+    quantity.push_back(of);
+    what.push_back(called);
+    samples.push_back(&into);
+    name.push_back(&named);
+  }
+  [[nodiscard]] std::optional<double> unit_si_of(std::size_t which,
+                                                 std::string_view unit) const {
+    return unit_si(quantity[which], unit);
+  }
+  [[nodiscard]] double given_unit(std::size_t which) const {
+    return kUnitSize[quantity[which]](column[which]->unit);
+  }
+};
+
+constexpr std::size_t kFirstRows = 3;
 
 bool numeric(const Cells& cells, std::size_t column) {
   return column < cells.size() && parse_number(cells[column], true).has_value();
@@ -50,7 +71,7 @@ std::optional<std::size_t> resolve(const Request& request, std::size_t which,
   if (matches.size() > 1) {
     throw InputError(fmt::format(
         "{}: {} column \"{}\" may be any of {} columns; choose one by its number",
-        request.file, kQuantityNames[which], choice.column, matches.size()));
+        request.file, request.what[which], choice.column, matches.size()));
   }
   return matches.empty() ? std::nullopt : std::optional(matches[0]);
 }
@@ -115,7 +136,7 @@ std::optional<TableLayout> find_by_names(const Request& request,
       const std::string& name = request.column[which]->column;
       if (!column_number(name) && !resolve(request, which, table->name)) {
         throw InputError(fmt::format("{}: no {} column \"{}\"; columns found: {}",
-                                     request.file, kQuantityNames[which], name,
+                                     request.file, request.what[which], name,
                                      table->name.empty()
                                          ? "none has a name; choose by number, from 1"
                                          : nearest_columns(table->name, name)));
@@ -156,11 +177,12 @@ void check_unit(const Request& request, std::size_t which, const std::string& st
   if (request.header_units == HeaderUnits::kIgnored || asked == kUnitFromHeader) {
     return;
   }
-  if (is_known_unit(stated) && unit_si(which, stated) != kUnitSize[which](asked)) {
+  if (is_known_unit(stated) &&
+      request.unit_si_of(which, stated) != request.given_unit(which)) {
     throw InputError(
         fmt::format("{}: {} states the unit {}, but the {} unit is given "
                     "as {}",
-                    request.file, where, stated, kQuantityNames[which], asked));
+                    request.file, where, stated, request.what[which], asked));
   }
 }
 
@@ -169,7 +191,8 @@ void check_one_unit(const Request& request, std::size_t which, const std::string
                     const std::string& above, const std::string& below) {
   const bool open = request.header_units == HeaderUnits::kMustAgree ||
                     request.column[which]->unit == kUnitFromHeader;
-  if (open && is_known_unit(above) && unit_si(which, above) != unit_si(which, below)) {
+  if (open && is_known_unit(above) &&
+      request.unit_si_of(which, above) != request.unit_si_of(which, below)) {
     throw InputError(fmt::format(
         "{}: column \"{}\" states the unit {} in its name and {} below it; two systems "
         "of units in one column are not read: mend the header",
@@ -212,13 +235,13 @@ double unit_size(const Request& request, const TableLayout& table, std::size_t w
       check_unit(request, which, stated,
                  fmt::format("column \"{}\"", table.header[column]));
     }
-    return kUnitSize[which](request.column[which]->unit);
+    return request.given_unit(which);
   }
-  const auto size = unit_si(which, stated);
+  const auto size = request.unit_si_of(which, stated);
   if (!size) {
     throw InputError(fmt::format(
         "{}: the {} unit is to be read from the header, which states {}", request.file,
-        kQuantityNames[which], stated.empty() ? "none" : fmt::format("{:?}", stated)));
+        request.what[which], stated.empty() ? "none" : fmt::format("{:?}", stated)));
   }
   return *size;
 }
@@ -260,18 +283,33 @@ bool all_missing(const TableLayout& table, const Cells& cells) {
 }
 
 Request make_request(const std::string& file, const MeasurementColumns& columns,
-                     HeaderUnits header_units) {
-  Request request{file, {&columns.depth, &columns.force}, header_units};
+                     HeaderUnits header_units, MeasurementFile& result,
+                     std::string& unnamed) {
+  Request request{file, header_units};
+  Measurement& samples = result.samples;
+  request.add(columns.depth, kDepth, columns.lateral ? "displacement" : "depth",
+              samples.depth_m, result.depth_column);
+  request.add(columns.force, kForce, "force", samples.force_n, result.force_column);
   if (columns.time) {
-    request.column.push_back(&*columns.time);
+    request.add(*columns.time, kTime, "time", samples.time_s, result.time_column);
+  }
+  if (columns.lateral && columns.lateral->normal) {
+    request.add(*columns.lateral->normal, kForce, "normal force", result.normal_n,
+                result.normal_column);
+  }
+  if (columns.lateral && columns.lateral->across && columns.lateral->across_force) {
+    request.add(*columns.lateral->across, kDepth, "displacement across",
+                result.across_m, unnamed);
+    request.add(*columns.lateral->across_force, kForce, "force across", result.across_n,
+                unnamed);
   }
   for (std::size_t which = 0; which < request.column.size(); ++which) {
     if (request.column[which]->unit != kUnitFromHeader) {
-      (void)kUnitSize[which](request.column[which]->unit);
+      (void)request.given_unit(which);
     }
     if (column_number(request.column[which]->column) == std::size_t{0}) {
-      throw InputError(fmt::format("{} column 0: columns are counted from 1",
-                                   kQuantityNames[which]));
+      throw InputError(
+          fmt::format("{} column 0: columns are counted from 1", request.what[which]));
     }
   }
   return request;
@@ -317,24 +355,37 @@ std::size_t word_among(const TableLayout& table, std::span<const TextLine> rows)
                               : static_cast<std::size_t>(found - first.begin());
 }
 
-void read_rows(const Request& request, const TableLayout& table,
-               std::span<const TextLine> lines, const std::vector<double>& size,
-               Measurement& measurement) {
-  std::vector<double>* samples[] = {&measurement.depth_m, &measurement.force_n,
-                                    &measurement.time_s};
+bool any_nan(const TableLayout& table, const Cells& cells) {
+  return std::any_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
+    const auto value =
+        column < cells.size() ? parse_number(cells[column], true) : std::nullopt;
+    return value && std::isnan(*value);
+  });
+}
+
+// @return rows left out for a NaN, where `skips_nan`.
+std::size_t read_rows(const Request& request, const TableLayout& table,
+                      std::span<const TextLine> lines, const std::vector<double>& size,
+                      bool skips_nan) {
   DecimalMark mark(request.file);
+  std::size_t skipped = 0;
   for (const TextLine& line : lines) {
     const Cells cells = split_cells(line.text, table.delimiter);
     if (all_missing(table, cells)) {
       continue;
     }
+    if (skips_nan && any_nan(table, cells)) {
+      ++skipped;
+      continue;
+    }
     for (std::size_t which = 0; which < table.column.size(); ++which) {
-      samples[which]->push_back(size[which] *
-                                cell_number(request, table, line, cells, which));
+      request.samples[which]->push_back(
+          size[which] * cell_number(request, table, line, cells, which));
       mark.see(cells[table.column[which]], line.number);
     }
   }
   mark.check();
+  return skipped;
 }
 
 }  // namespace
@@ -342,19 +393,18 @@ void read_rows(const Request& request, const TableLayout& table,
 MeasurementFile read_table(const std::string& file, std::span<const TextLine> lines,
                            const MeasurementColumns& columns,
                            HeaderUnits header_units) {
-  const Request request = make_request(file, columns, header_units);
+  MeasurementFile result;
+  std::string unnamed;
+  const Request request = make_request(file, columns, header_units, result, unnamed);
   TableLayout table = find_table(request, lines);
   std::size_t begin = table.begin;
   if (begin < lines.size() && take_unit_line(request, lines[begin], table)) {
     ++begin;
   }
-  MeasurementFile result;
-  std::string* name[] = {&result.depth_column, &result.force_column,
-                         &result.time_column};
   std::vector<double> size;
   for (std::size_t which = 0; which < table.column.size(); ++which) {
     if (table.column[which] < table.header.size()) {
-      *name[which] = table.header[table.column[which]];
+      *request.name[which] = table.header[table.column[which]];
     }
     size.push_back(unit_size(request, table, which));
   }
@@ -372,9 +422,13 @@ MeasurementFile read_table(const std::string& file, std::span<const TextLine> li
                                        within[word].number,
                                        trimmed(within[word].text)));
   }
-  read_rows(request, table, within.first(word), size, result.samples);
+  const bool skips_nan = columns.lateral.has_value();
+  std::size_t skipped = read_rows(request, table, within.first(word), size, skips_nan);
   if (word < within.size()) {
-    read_rows(request, table, within.subspan(word + 1), size, result.samples);
+    skipped += read_rows(request, table, within.subspan(word + 1), size, skips_nan);
+  }
+  if (skipped > 0) {
+    result.notes.push_back(fmt::format("rows with NaN left out: {}", skipped));
   }
   if (result.samples.depth_m.empty()) {
     throw InputError(

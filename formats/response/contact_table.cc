@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr auto kDepths = static_cast<Eigen::Index>(kContactDepths);
+constexpr auto kStoredDepths = static_cast<Eigen::Index>(kContactDepths);
 
 using Between = BetweenDepths<double>;
 
@@ -38,7 +38,7 @@ bool is_error(float error) {
 
 // Whether xx, xy, yy of every depth are positive definite, their mean at most `most`.
 bool are_positive(const RowsOf<float>& rows, Eigen::Index row, double most) {
-  for (Eigen::Index k = 0; k < kDepths; ++k) {
+  for (Eigen::Index k = 0; k < kStoredDepths; ++k) {
     const Eigen::Array3d of =
         rows.row(row).segment<3>(3 * k).cast<double>().transpose();
     if (!of.allFinite() || !(of[0] > 0.0) || !(of[0] * of[2] > of[1] * of[1]) ||

@@ -1,5 +1,5 @@
-// How the contact under a tool bears, at every node and at four depths: where the
-// pressure acts, and how stiff the contact is sideways while it sticks.
+// How the contact under a tool bears, at every node and at four depths. The tables say
+// where the pressure acts, and how stiff the contact is sideways while it sticks.
 //
 // Depths are shares of the curve's last one (kContactDepthShares). Directions are those
 // of the node's frame: x and y of tangent_frame(normal). A symmetric 2 x 2 tensor is
@@ -18,8 +18,8 @@
 //
 //   K(d) = S(d) N / d,   d the normal depth past the touch.
 //
-// Hertz and Mindlin: S = 3 (1 - nu) / (2 - nu) times the identity, at every depth
-// (Mindlin 1949, Compliance of elastic bodies in contact: K = 8 a G / (2 - nu)).
+// A ball on a half-space has S = 3 (1 - nu) / (2 - nu) times the identity, at every
+// depth. (Mindlin 1949, Compliance of elastic bodies in contact: K = 8 a G / (2 - nu).)
 #pragma once
 
 #include <cstdint>

@@ -6,7 +6,7 @@
 namespace palpate {
 
 /// x and y after the least turn that takes z to a direction (turn_from_z.h), in columns
-/// (3 x 2): x - n_x (z + n) / (1 + n_z), and y likewise. Along -z: x and -y.
+/// (3 x 2). They are x - n_x (z + n) / (1 + n_z), and y likewise. Along -z: x and -y.
 /// @param n unit.
 template <typename Real>
 [[nodiscard]] Eigen::Matrix<Real, 3, 2> tangent_frame(

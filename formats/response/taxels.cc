@@ -2,22 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "formats/response/tangent_frame.h"
 #include "formats/response/tool_support.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kGoldenAngle = 2.399963229728653;  // [rad] pi (3 - sqrt 5)
+constexpr double kPointsToRadius = 100.0;
 
-void check(const ResponseTable& table, const Eigen::Vector3d& position_m,
-           const TaxelGrid& grid) {
+void check_taxels(const ResponseTable& table, const Eigen::Vector3d& position_m,
+                  const TaxelGrid& grid) {
   if (!table.contact.has_pressure()) {
     throw InputError(fmt::format(
         "tool {:?} has no pressures; build the database again with this version",
@@ -71,30 +71,51 @@ NodePressure node_pressure(const ResponseTable& table, const Eigen::Vector3d& ou
   return pressure;
 }
 
-// Lays the ellipse out over the grid.
+// Lays the ellipse out over the grid: by points of each taxel, also of those beside the
+// grid, so that all of them make up the whole force.
 void lay_out(const TaxelGrid& grid, Taxels& taxels) {
   const ContactPressure& whole = taxels.contact;
-  const Eigen::Matrix2d axes =
-      (2.0 * (whole.exponent + 2.0) * whole.moment_m2).llt().matrixL();
-  const double each_n = whole.normal_n / kTaxelPoints;
-  const double taxel_m2 = grid.pitch_m * grid.pitch_m;
-  for (int i = 0; i < kTaxelPoints; ++i) {
-    // The force within rho is 1 - (1 - rho^2)^(m + 1) of the whole.
-    const double u = (i + 0.5) / kTaxelPoints;
-    const double rho = std::sqrt(1.0 - std::pow(1.0 - u, 1.0 / (whole.exponent + 1.0)));
-    const double about = kGoldenAngle * i;
-    const Eigen::Vector2d at_m =
-        whole.centre_m +
-        axes * (rho * Eigen::Vector2d(std::cos(about), std::sin(about)));
-    const double column = std::floor(at_m.x() / grid.pitch_m + 0.5 * grid.columns);
-    const double row = std::floor(at_m.y() / grid.pitch_m + 0.5 * grid.rows);
-    if (column >= 0.0 && column < grid.columns && row >= 0.0 && row < grid.rows) {
-      taxels.pressure_pa(static_cast<Eigen::Index>(row),
-                         static_cast<Eigen::Index>(column)) += each_n / taxel_m2;
-    } else {
-      taxels.beside_n += each_n;
+  const double radius_m = whole.radius_m();
+  const double step_m =
+      grid.pitch_m /
+      std::clamp(std::ceil(kPointsToRadius * grid.pitch_m / radius_m), 4.0, 400.0);
+  const Eigen::Matrix2d scaled = 2.0 * (whole.exponent + 2.0) * whole.moment_m2;
+  const Eigen::Matrix2d inverse = scaled.inverse();
+  const Eigen::Vector2d half_m = scaled.diagonal().cwiseSqrt();
+  const auto first = [&](int axis) {
+    return std::floor((whole.centre_m[axis] - half_m[axis]) / step_m);
+  };
+  const auto last = [&](int axis) {
+    return std::ceil((whole.centre_m[axis] + half_m[axis]) / step_m);
+  };
+  const auto taxel_of = [&](double at_m, int count) {
+    return std::floor(at_m / grid.pitch_m + 0.5 * count);
+  };
+  double sum = 0.0;
+  double beside = 0.0;
+  for (double j = first(1); j < last(1); ++j) {
+    for (double i = first(0); i < last(0); ++i) {
+      // The grid's edges lie between points, also of an odd number of taxels.
+      const Eigen::Vector2d at_m((i + 0.5) * step_m, (j + 0.5) * step_m);
+      const Eigen::Vector2d from_m = at_m - whole.centre_m;
+      const double rho2 = from_m.dot(inverse * from_m);
+      if (!(rho2 < 1.0)) {
+        continue;
+      }
+      const double p = reproducible::pow(1.0 - rho2, whole.exponent);
+      sum += p;
+      const double column = taxel_of(at_m.x(), grid.columns);
+      const double row = taxel_of(at_m.y(), grid.rows);
+      if (column >= 0.0 && column < grid.columns && row >= 0.0 && row < grid.rows) {
+        taxels.pressure_pa(static_cast<Eigen::Index>(row),
+                           static_cast<Eigen::Index>(column)) += p;
+      } else {
+        beside += p;
+      }
     }
   }
+  taxels.pressure_pa *= whole.normal_n / (sum * grid.pitch_m * grid.pitch_m);
+  taxels.beside_n = whole.normal_n * beside / sum;
 }
 
 }  // namespace
@@ -110,7 +131,7 @@ Eigen::Vector3d pressed_position_m(const SurfaceMesh& mesh, const Points& normal
 Taxels taxels_at(const SurfaceMesh& mesh, const Points& normal,
                  const SurfaceSearch& search, const ResponseTable& table,
                  const Eigen::Vector3d& position_m, const TaxelGrid& grid) {
-  check(table, position_m, grid);
+  check_taxels(table, position_m, grid);
   Taxels taxels{.pressure_pa = Eigen::MatrixXd::Zero(grid.rows, grid.columns),
                 .contact = {}};
   const SurfacePoint foot = search.nearest(position_m);

@@ -5,9 +5,8 @@
 //
 //   N = sum w_j N_j,   c, M, m = sum w_j N_j (c_j, M_j, m_j) / N
 //
-// and contact_table.h's ellipse is the pressure. It is laid out as kTaxelPoints equal
-// forces, evenly over it, each in its taxel. So the taxels' forces sum to N, less what
-// lies beside the grid.
+// and contact_table.h's ellipse is the pressure. It is summed over points of every
+// taxel, and scaled. So the taxels' forces sum to N, less what lies beside the grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +16,6 @@
 
 namespace palpate {
 
-inline constexpr int kTaxelPoints = 40000;
 inline constexpr int kMostTaxels = 1000;  ///< to a side
 
 /// Square taxels in the plane across the surface's normal, their middle on the line of

@@ -18,8 +18,8 @@ namespace palpate {
 ///
 ///   q = A_SS^-1 g_S / sum,   k_n = (g^T q)^2 / (q^T A q),   K_t = (q^T W q)^-1,
 ///
-/// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S, and the shape
-/// of the traction that moves S as a whole along the surface (Mindlin 1949). Of all
+/// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S. The traction
+/// that moves S as a whole along the surface has its shape, too (Mindlin 1949). Of all
 /// tractions the true one has the least compliance. So the stiffness is at most true,
 /// and off by the square of what q is. The contact's coarseness cancels in the ratio.
 /// Like Mindlin's solution the state leaves out that tractions along the surface also
@@ -50,7 +50,7 @@ void correct_lateral_states(const PressedState& pressed, const RestSolve& solve,
                             std::span<const std::int32_t> patch,
                             const IndentationPath& path, Indentation& indentation);
 
-/// States at depth d take 1 + times d / depth of their lateral stiffness: what a
+/// States at depth d take 1 + times d / depth of their lateral stiffness. That is what a
 /// tangent made of it at a penetration, here or at a neighbour.
 void take_tangent(Indentation& indentation, double penetration_m, double times);
 

@@ -12,6 +12,7 @@ class HeldRenderer;
 void bind_errors(pybind11::module_& module);
 void bind_optional(pybind11::class_<HeldTool>& type);
 void bind_tool(pybind11::module_& module);
+void bind_contact(pybind11::class_<HeldTool>& tool);
 void bind_pressure(pybind11::module_& module, pybind11::class_<HeldTool>& tool);
 void bind_database(pybind11::module_& module);
 void bind_make(pybind11::module_& module);

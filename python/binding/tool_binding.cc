@@ -151,6 +151,7 @@ void bind_tool(py::module_& module) {
   add_sample_arrays(type);
   bind_optional(type);
   bind_pressure(module, type);
+  bind_contact(type);
   type.def("curve", &curve, py::arg("node"),
            "The stored curve of a node, four arrays.");
   type.def(

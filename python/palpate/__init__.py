@@ -26,6 +26,11 @@ def _stiffness(self, depth, tool=""):
     return self.tool(tool).stiffness(depth)
 
 
+def _pressure(self, position, grid, tool=""):
+    """Pressure under the tool at a position (3,) [m] over (rows, columns, pitch_m) taxels: Tool.pressure."""
+    return self.tool(tool).pressure(position, grid)
+
+
 def _pressure_law(self, place, tool=""):
     """PressureLaw of a node (index), or of the place nearest to (3,) [m]: Tool.pressure_law."""
     return self.tool(tool).pressure_law(place)
@@ -41,6 +46,7 @@ for _type in (Error, FormatError, InputError, NumericalError, RenderingFault, Da
     _type.__module__ = "palpate"  # where users find it
 Database.force = _force
 Database.stiffness = _stiffness
+Database.pressure = _pressure
 Database.pressure_law = _pressure_law
 Database.pressure_laws = _pressure_laws
 

@@ -30,8 +30,8 @@ struct BenchBodyOptions {
   double friction_min = 0.0;      ///< [-]
   double friction_max = 0.0;      ///< [-] per node in between
   double presliding_m = 5e-4;     ///< [m] delta_L of every node
-  /// [-] Largest eigenvalue of the nodes' lateral stiffness, that of a node at a depth
-  /// anything from a tenth of it; 0: the presliding length tells all.
+  /// [-] Largest eigenvalue of the nodes' lateral stiffness; every node and depth draws
+  /// its own from a tenth of it on. 0: the presliding length tells all.
   double lateral = 0.0;
   double touch_offset_m = 0.0;                ///< [m] largest touch offset, either sign
   std::vector<double> relaxing = {};          ///< [-] g_k of every node; none: static

@@ -9,10 +9,12 @@
 //
 //   K = F_n / d sum_j w_j S_j,   d = sum_j w_j d_j,
 //
-// d_j the depth past the touch of node j. A slip then is the closest point projection:
-// delta_t = (1 + s / (mu F_n) K)^-1 of what it was, with the s >= 0 for which |K
-// delta_t| = mu F_n. So the force settles against the slip, and the spring's energy
-// falls (convex potential; Simo and Hughes 1998, section 3.6).
+// d_j the depth past the touch of node j. A slip then is the closest point projection,
+//
+//   delta_t' = (1 + s / (mu F_n) K)^-1 delta_t,   s >= 0 with |K delta_t'| = mu F_n.
+//
+// So the force settles against the slip, and the spring's energy falls (convex
+// potential; Simo and Hughes 1998, section 3.6).
 //
 // The spring turns with the plane and keeps its length. Where the spring would hold
 // more after a change of K, the anchor follows so that it holds as much as before (23).

@@ -10,12 +10,12 @@
 namespace palpate {
 namespace {
 
-NeedleEstimate found_to_be(double value) {
+IntervalEstimate found_to_be(double value) {
   return {.value = value, .sd = 0.1, .low = value - 0.2, .high = value + 0.2};
 }
 
-NeedleEstimate not_found() {
-  NeedleEstimate none;
+IntervalEstimate not_found() {
+  IntervalEstimate none;
   none.refused = "of a reason";
   return none;
 }

@@ -34,7 +34,7 @@ Simulated fitted(const SimulatedTissue& tissue, const SimulatedRun& run, unsigne
   return {needle, fit_needle(find_needle_path({m}))};
 }
 
-bool holds(const NeedleEstimate& e, double truth, double deviations = 4.0) {
+bool holds(const IntervalEstimate& e, double truth, double deviations = 4.0) {
   return e.refused.empty() && std::abs(e.value - truth) <= deviations * e.sd;
 }
 
@@ -147,7 +147,7 @@ TEST(NeedleFit, LiverComesBack) {
   const auto [needle, fit] = fitted(liver, {}, 7);
   ASSERT_EQ(fit.layers.size(), 1U);
   EXPECT_NEAR(fit.layers[0].cutting_n.value, 0.25, 0.01);
-  const NeedleEstimate toughness = toughness_of(fit.layers[0].cutting_n, 1.5e-3);
+  const IntervalEstimate toughness = toughness_of(fit.layers[0].cutting_n, 1.5e-3);
   EXPECT_TRUE(holds(toughness, 164.0));
   EXPECT_LT(toughness.sd, 6.0);  // the scatter that is measured
   EXPECT_EQ(toughness_warning(toughness), "");

@@ -60,7 +60,7 @@ struct IntervalCoverage {
   };
   std::map<std::string, Held> quantity;
 
-  void add(const std::string& name, const NeedleEstimate& e, double truth) {
+  void add(const std::string& name, const IntervalEstimate& e, double truth) {
     Held& h = quantity[name];
     if (!e.refused.empty()) {
       ++h.refused;

@@ -1,4 +1,4 @@
-#include "fitting/insertion/needle_estimate.h"
+#include "fitting/numerics/interval_estimate.h"
 
 #include <cmath>
 #include <numbers>
@@ -25,9 +25,10 @@ double probability_below(double h, double sd, double half) {
 
 }  // namespace
 
-NeedleEstimate refused_estimate(const std::string& why) {
-  NeedleEstimate none;
+IntervalEstimate refused_estimate(const std::string& why, double above) {
+  IntervalEstimate none;
   none.refused = why;
+  none.above = above;
   return none;
 }
 
@@ -46,9 +47,9 @@ double half_interval_95(double sd, double half) {
   return 0.5 * (low + high);
 }
 
-NeedleEstimate estimate(const std::function<double(const Eigen::VectorXd&)>& quantity,
-                        const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance,
-                        double half) {
+IntervalEstimate estimate(const std::function<double(const Eigen::VectorXd&)>& quantity,
+                          const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance,
+                          double half) {
   if (!covariance.allFinite()) {
     return refused_estimate(kNotDetermined);
   }
@@ -62,7 +63,7 @@ NeedleEstimate estimate(const std::function<double(const Eigen::VectorXd&)>& qua
       slope[j] = (quantity(above) - quantity(below)) / (2.0 * step);
     }
   }
-  NeedleEstimate found;
+  IntervalEstimate found;
   found.value = quantity(q);
   const double normal = std::sqrt(std::max(0.0, slope.dot(covariance * slope)));
   found.sd = std::sqrt(normal * normal + half * half / 3.0);
@@ -73,10 +74,10 @@ NeedleEstimate estimate(const std::function<double(const Eigen::VectorXd&)>& qua
                                                : refused_estimate(kNotDetermined);
 }
 
-NeedleEstimate estimate_of_log(
+IntervalEstimate estimate_of_log(
     const std::function<double(const Eigen::VectorXd&)>& log_quantity,
     const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance) {
-  NeedleEstimate found = estimate(log_quantity, q, covariance);
+  IntervalEstimate found = estimate(log_quantity, q, covariance);
   if (found.refused.empty()) {
     found.value = std::exp(found.value);
     found.sd *= found.value;
