@@ -57,7 +57,7 @@ struct NeedleTip {
 ///                                           c_d = (3/2) / (1 + nu)
 ///
 /// c turns nu = 1/2 into others: c_0 by Hertz' modulus, c_d by 2 pi G R. Its force is
-/// off by 2 % for nu = 0.45, by 4 % for 0.3.
+/// off by 1 % for nu = 0.45, by 4 % for 0.3.
 /// @param force_n [N] >= 0. @param radius_m [m] > 0.
 [[nodiscard]] double nonlinear_tip_depth_m(const TipTissue& tissue, double radius_m,
                                            double force_n);

@@ -107,7 +107,8 @@ TEST(DeepTip, TurnsIntoOtherPoissonsRatios) {
                                  {1.0, 1.4320},
                                  {1.5, 2.3940},
                                  {2.0, 3.2684},
-                                 {2.5, 4.0116}}) {
+                                 {2.5, 4.0116},
+                                 {3.0, 4.7558}}) {
     EXPECT_NEAR(deep_force(0.45, x) / force, 1.0, 0.015) << x;
   }
   for (const auto& [x, force] :
