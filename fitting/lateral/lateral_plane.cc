@@ -136,7 +136,7 @@ LeastSquaresProblem plane_problem(const PlanePath& path, ContactLaw law,
   problem.in_a_row = problem.residuals;
   problem.held = held;
   problem.evaluate = [&path, law, held](const Eigen::VectorXd& q,
-                                        Eigen::Ref<Eigen::VectorXd> r,
+                                        const Eigen::Ref<Eigen::VectorXd>& r,
                                         RowMajorMatrix* jacobian) {
     plane_residual(path, law, q, r);
     Eigen::VectorXd above(r.size()), below(r.size());

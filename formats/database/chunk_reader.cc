@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/chunk_digest.h"
 #include "formats/database/compliance_rules.h"
 #include "formats/database/contact_rules.h"
 #include "formats/database/database_check_optional.h"

@@ -18,19 +18,20 @@ template <typename File, typename Table>
 void exchange_contact(File& file, const std::string& tool, Table& table) {
   const bool pressure = file.optional_group(tool + "/pressure", table.has_pressure());
   const bool lateral = file.optional_group(tool + "/lateral", table.has_lateral());
-  for_each_contact_dataset(table, [&](const std::string& name, const char* units,
-                                      Eigen::Index columns, auto& rows) {
-    if (!(name.starts_with("/pressure") ? pressure : lateral)) {
-      return;
-    }
-    file.dataset(tool + name, units, rows);
-    if constexpr (!File::kWrites) {
-      if (rows.cols() != columns) {
-        file.fail(fmt::format("dataset {}{} has {} columns, must have {}", tool, name,
-                              rows.cols(), columns));
-      }
-    }
-  });
+  for_each_contact_dataset(
+      table, [&](const std::string& name, const char* units,
+                 [[maybe_unused]] Eigen::Index columns, auto& rows) {
+        if (!(name.starts_with("/pressure") ? pressure : lateral)) {
+          return;
+        }
+        file.dataset(tool + name, units, rows);
+        if constexpr (!File::kWrites) {
+          if (rows.cols() != columns) {
+            file.fail(fmt::format("dataset {}{} has {} columns, must have {}", tool,
+                                  name, rows.cols(), columns));
+          }
+        }
+      });
 }
 
 /// The rows [begin, begin + count) of nodes.

@@ -3,29 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <utility>
 
 #include "formats/base/sha256.h"
+#include "formats/database/chunk_digest.h"
 #include "formats/database/index_layout.h"
-#include "formats/database/puncture_layout.h"
 
 namespace palpate {
 namespace {
-
-template <typename Values>
-void add(Sha256& digest, const Values& values) {
-  digest.update(
-      std::as_bytes(std::span(values.data(), static_cast<std::size_t>(values.size()))));
-}
-
-std::vector<std::uint8_t> bytes_of(const Sha256& digest) {
-  const std::string hex = digest.hex();
-  std::vector<std::uint8_t> bytes;
-  for (std::size_t i = 0; i < hex.size(); i += 2) {
-    bytes.push_back(
-        static_cast<std::uint8_t>(std::stoul(hex.substr(i, 2), nullptr, 16)));
-  }
-  return bytes;
-}
 
 void set_digest(Sha256Rows& rows, std::int64_t row,
                 const std::vector<std::uint8_t>& to) {
@@ -110,6 +95,13 @@ bool has_rows(const Yielding& yielding) {
   return any;
 }
 
+// [begin, end) of a chunk's nodes.
+std::pair<std::int64_t, std::int64_t> nodes_of(const DatabaseIndex& index,
+                                               std::int64_t chunk) {
+  const auto k = static_cast<std::size_t>(chunk);
+  return {index.node_begin[k], index.node_begin[k + 1]};
+}
+
 void set_share_extents(const Viscoelasticity& relaxation, const DatabaseIndex& index,
                        ToolIndex& tool) {
   if (relaxation.g.rows() < 2) {
@@ -118,9 +110,8 @@ void set_share_extents(const Viscoelasticity& relaxation, const DatabaseIndex& i
   tool.share_min.resize(index.chunks(), relaxation.terms() + 1);
   tool.share_max.resize(index.chunks(), relaxation.terms() + 1);
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
-    const auto c = static_cast<std::size_t>(k);
-    const ShareExtent extent =
-        share_extent(rows_of(relaxation, index.node_begin[c], index.node_begin[c + 1]));
+    const auto [begin, end] = nodes_of(index, k);
+    const ShareExtent extent = share_extent(rows_of(relaxation, begin, end));
     tool.share_min.row(k) = extent.low;
     tool.share_max.row(k) = extent.high;
   }
@@ -133,14 +124,38 @@ void set_compliance(const ComplianceTable& table, const DatabaseIndex& index,
   tool.compliance.mode.resize(0, table.mode.cols());
   tool.compliance_sha256.resize(table.empty() ? 0 : index.chunks(), kSha256Bytes);
   for (std::int64_t k = 0; k < tool.compliance_sha256.rows(); ++k) {
-    const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
-    const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
+    const auto [begin, end] = nodes_of(index, k);
     ComplianceTable part;
     part.value = table.value.middleRows(begin, end - begin);
     if (table.mode.size() > 0) {
       part.mode = table.mode.middleRows(begin, end - begin);
     }
     set_digest(tool.compliance_sha256, k, compliance_digest(part));
+  }
+}
+
+void set_puncture(const Puncture& puncture, ToolIndex& tool) {
+  tool.puncture = puncture;
+  if (!puncture.empty()) {
+    tool.puncture_sha256.resize(1, kSha256Bytes);
+    set_digest(tool.puncture_sha256, 0, puncture_digest(puncture));
+  }
+}
+
+// By origin and by flag; seven flags where there are no more, as it was before there
+// was an eighth.
+void count_nodes(const ResponseTable& table, ToolIndex& tool) {
+  tool.origin_count.assign(4, 0);
+  const bool eighth =
+      std::any_of(table.flags.begin(), table.flags.end(), [](auto bits) {
+        return (bits & kNearSingular) != 0;
+      });
+  tool.flag_count.assign(eighth ? kResponseFlags : kResponseFlags - 1, 0);
+  for (std::size_t i = 0; i < table.origin.size(); ++i) {
+    ++tool.origin_count[table.origin[i] & 3u];
+    for (std::size_t bit = 0; bit < tool.flag_count.size(); ++bit) {
+      tool.flag_count[bit] += table.flags[i] >> bit & 1;
+    }
   }
 }
 
@@ -153,25 +168,12 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
       static_cast<std::int64_t>(table.viscoelasticity.sites.node.size());
   tool.yielding_rows = has_rows(table.viscoelasticity.yielding);
   tool.accuracy = table.accuracy;
-  tool.origin_count.assign(4, 0);
-  // Seven where there are no more, as it was before there was an eighth flag.
-  const bool eighth =
-      std::any_of(table.flags.begin(), table.flags.end(), [](auto bits) {
-        return (bits & kNearSingular) != 0;
-      });
-  tool.flag_count.assign(eighth ? kResponseFlags : kResponseFlags - 1, 0);
-  for (std::size_t i = 0; i < table.origin.size(); ++i) {
-    ++tool.origin_count[table.origin[i] & 3u];
-    for (std::size_t bit = 0; bit < tool.flag_count.size(); ++bit) {
-      tool.flag_count[bit] += table.flags[i] >> bit & 1;
-    }
-  }
+  count_nodes(table, tool);
   tool.sha256.resize(index.chunks(), kSha256Bytes);
   tool.tilt_sha256.resize(table.tilt.rows() > 0 ? index.chunks() : 0, kSha256Bytes);
   tool.contact_sha256.resize(table.contact.empty() ? 0 : index.chunks(), kSha256Bytes);
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
-    const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
-    const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
+    const auto [begin, end] = nodes_of(index, k);
     tool.sample_begin.push_back(table.sample_begin[static_cast<std::size_t>(begin)]);
     const TableMaxima of = maxima_of(table, begin, end);
     tool.depth_max_m.push_back(of.depth_m);
@@ -194,21 +196,16 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   if (has_node_rows(table.viscoelasticity)) {
     tool.memory_sha256.resize(index.chunks(), kSha256Bytes);
     for (std::int64_t k = 0; k < index.chunks(); ++k) {
-      const auto c = static_cast<std::size_t>(k);
-      const Viscoelasticity part =
-          rows_of(table.viscoelasticity, index.node_begin[c], index.node_begin[c + 1]);
+      const auto [begin, end] = nodes_of(index, k);
+      const Viscoelasticity part = rows_of(table.viscoelasticity, begin, end);
       set_digest(tool.memory_sha256, k, memory_digest(part));
     }
   }
   set_share_extents(table.viscoelasticity, index, tool);
   set_compliance(table.compliance, index, tool);
-  tool.puncture = table.puncture;
+  set_puncture(table.puncture, tool);
   tool.has_pressure = table.contact.has_pressure();
   tool.has_lateral = table.contact.has_lateral();
-  if (!tool.puncture.empty()) {
-    tool.puncture_sha256.resize(1, kSha256Bytes);
-    set_digest(tool.puncture_sha256, 0, puncture_digest(tool.puncture));
-  }
   return tool;
 }
 
@@ -221,7 +218,7 @@ class IndexDigest {
   void values(const std::string&, const char*, const Values& values) {
     const std::int64_t count = values.size();
     digest_.update(std::as_bytes(std::span(&count, 1)));
-    add(digest_, values);
+    add_values(digest_, values);
   }
   [[nodiscard]] std::string hex() const { return digest_.hex(); }
 
@@ -234,93 +231,6 @@ class IndexDigest {
 std::int64_t DatabaseIndex::chunk_of(std::int64_t node) const noexcept {
   const auto after = std::upper_bound(node_begin.begin(), node_begin.end(), node);
   return after - node_begin.begin() - 1;
-}
-
-std::vector<std::uint8_t> chunk_digest(const BodyChunk& chunk) {
-  Sha256 digest;
-  add(digest, chunk.position_m);
-  add(digest, chunk.normal);
-  add(digest, chunk.source_node);
-  add(digest, chunk.triangle);
-  add(digest, chunk.source_triangle);
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk) {
-  Sha256 digest;
-  add(digest, chunk.direction);
-  add(digest, chunk.direction_spread_rad);
-  add(digest, chunk.touch_offset_m);
-  add(digest, chunk.error_relative);
-  add(digest, chunk.friction);
-  add(digest, chunk.presliding_m);
-  add(digest, chunk.stiffness_max_n_per_m);
-  add(digest, chunk.origin);
-  add(digest, chunk.flags);
-  add(digest, chunk.sample_begin);
-  add(digest, chunk.depth_m);
-  add(digest, chunk.force_n);
-  add(digest, chunk.stiffness_n_per_m);
-  add(digest, chunk.energy_j);
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
-  Sha256 digest;
-  add(digest, chunk.g);
-  add(digest, chunk.sites.site);
-  add(digest, chunk.sites.weight);
-  for_each_dataset(chunk.yielding, [&](const auto& /*name*/, const auto& /*units*/,
-                                       const auto& values) {
-    add(digest, values);
-  });
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> tilt_digest(const ResponseTable& chunk) {
-  Sha256 digest;
-  add(digest, chunk.tilt);
-  add(digest, chunk.tilt_by_depth_per_m);
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
-  Sha256 digest;
-  add(digest, chunk.value);
-  add(digest, chunk.mode);
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> contact_digest(const ContactTable& chunk) {
-  Sha256 digest;
-  for_each_contact_dataset(
-      chunk, [&](const char* /*name*/, const char* /*units*/, Eigen::Index /*columns*/,
-                 const RowsOf<float>& rows) {
-        add(digest, rows);
-      });
-  return bytes_of(digest);
-}
-
-std::vector<std::uint8_t> puncture_digest(const Puncture& puncture) {
-  Sha256 digest;
-  const auto add_text = [&digest](const std::string& text) {
-    digest.update(std::as_bytes(std::span(text)));
-  };
-  add_text(puncture.rule + "\n");
-  for (const std::string& name : puncture.material) {
-    add_text(name + "\n");
-  }
-  std::vector<double> numbers = numbers_of(puncture);
-  while (!numbers.empty() && numbers.back() == 0.0) {  // as in files that lack it
-    numbers.pop_back();
-  }
-  add(digest, numbers);
-  content::for_each_puncture_dataset(
-      puncture, [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
-        add(digest, values);
-      });
-  add(digest, puncture.membrane_j);
-  return bytes_of(digest);
 }
 
 ShareExtent share_extent(const ToolIndex& tool) {

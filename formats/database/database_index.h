@@ -85,25 +85,6 @@ struct BodyChunk {
   std::vector<std::int32_t> source_triangle;  ///< (j)
 };
 
-/// SHA-256 of what a chunk holds, as FORMAT.md lists it.
-[[nodiscard]] std::vector<std::uint8_t> chunk_digest(const BodyChunk& chunk);
-[[nodiscard]] std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk);
-
-/// The same of the rows that a chunk's nodes have of shares and sites.
-[[nodiscard]] std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk);
-
-/// The same of the rows of its tilts.
-[[nodiscard]] std::vector<std::uint8_t> tilt_digest(const ResponseTable& chunk);
-
-/// The same of the rows of its compliance table.
-[[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);
-
-/// The same of the rows of its pressures and lateral stiffnesses.
-[[nodiscard]] std::vector<std::uint8_t> contact_digest(const ContactTable& chunk);
-
-/// The same of all that a file says of a tool's puncture, rows of all nodes too.
-[[nodiscard]] std::vector<std::uint8_t> puncture_digest(const Puncture& puncture);
-
 /// Of a tool whose responses relax, over all of its nodes.
 [[nodiscard]] ShareExtent share_extent(const ToolIndex& tool);
 

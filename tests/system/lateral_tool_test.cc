@@ -52,15 +52,14 @@ class LateralTool : public testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_tool_process("palpate-fit", arguments);
   }
-  nlohmann::ordered_json json_of(const std::string& file,
-                                 std::vector<std::string> more = {}) const {
+  nlohmann::json json_of(const std::string& file,
+                         std::vector<std::string> more = {}) const {
     more.emplace_back("--json");
     const ToolRun result = run({file}, more);
     EXPECT_EQ(result.exit_code, 0) << file << ": " << result.err;
-    return result.exit_code == 0 ? parse_json(result.out) : nlohmann::ordered_json();
+    return result.exit_code == 0 ? parse_json(result.out) : nlohmann::json();
   }
-  static void expect_truth(const nlohmann::ordered_json& json,
-                           const std::string& what) {
+  static void expect_truth(const nlohmann::json& json, const std::string& what) {
     ASSERT_TRUE(json.contains("runs")) << what;
     EXPECT_NEAR(json.at("runs").at(0).at("stiffness_n_per_m").at("value"), 2000.0, 40.0)
         << what;

@@ -53,10 +53,20 @@ struct FlatBody {
     return {4, one};
   }
 
-  SurfaceMesh mesh{
-      (Points(4, 3) << 0, 0, 0, 0.02, 0, 0, 0.02, 0.02, 0, 0, 0.02, 0).finished(),
-      (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished()};
-  Points normal = Points::Zero(4, 3) + Eigen::RowVector3d(0, 0, 1).replicate(4, 1);
+  static SurfaceMesh square() {
+    SurfaceMesh mesh;
+    mesh.position_m = Points::Zero(4, 3);
+    mesh.position_m.row(1) << 0.02, 0.0, 0.0;
+    mesh.position_m.row(2) << 0.02, 0.02, 0.0;
+    mesh.position_m.row(3) << 0.0, 0.02, 0.0;
+    mesh.triangle = Triangles::Zero(2, 3);
+    mesh.triangle.row(0) << 0, 1, 2;
+    mesh.triangle.row(1) << 0, 2, 3;
+    return mesh;
+  }
+
+  SurfaceMesh mesh = square();
+  Points normal = Eigen::RowVector3d(0.0, 0.0, 1.0).replicate(4, 1);
   SurfaceSearch search{mesh};
   ResponseTable table;
 };

@@ -186,7 +186,8 @@ TEST_F(WatchViewTest, ShowsANeedle) {
   view.opened(1);
   view.frame();
   EXPECT_EQ(outbox_.frame[1]["needle"]["in"], -1);  // there before any tick
-  NeedleSeen seen{.punctures = true};
+  NeedleSeen seen;
+  seen.punctures = true;
   NeedleState& state = seen.state;
   state.channels = 1;
   state.active = 0;
