@@ -26,7 +26,7 @@ constexpr double kRadiusM = 0.001;
 
 // F at a depth, by bisection of the depth at a force.
 template <typename Depth>
-double force_n(double depth_m, const Depth& depth_m_at) {
+double bisected_force_n(double depth_m, const Depth& depth_m_at) {
   double low = 0.0;
   double high = 100.0;
   for (int i = 0; i < 100; ++i) {
@@ -37,7 +37,7 @@ double force_n(double depth_m, const Depth& depth_m_at) {
 }
 
 double linear_force_n(double depth_m) {
-  return force_n(depth_m, [](double f) {
+  return bisected_force_n(depth_m, [](double f) {
     return linear_tip_depth_m(kTissue, kRadiusM, f);
   });
 }
@@ -45,10 +45,10 @@ double linear_force_n(double depth_m) {
 // F / (E R^2) at h / R.
 double deep_force(double poissons_ratio, double radii) {
   const TipTissue tissue{.youngs_modulus_pa = 2000.0, .poissons_ratio = poissons_ratio};
-  return force_n(0.002 * radii,
-                 [&](double f) {
-                   return nonlinear_tip_depth_m(tissue, 0.002, f);
-                 }) /
+  return bisected_force_n(0.002 * radii,
+                          [&](double f) {
+                            return nonlinear_tip_depth_m(tissue, 0.002, f);
+                          }) /
          (2000.0 * 0.002 * 0.002);
 }
 
