@@ -104,9 +104,8 @@ void for_each_optional_puncture_number(Rows& puncture, const With& with) {
                                         const Puncture& puncture);
 
 /// [-] Depth over radius beyond which no needle's curve that was made of a larger
-/// ball's was compared (precompute/press/needle_curve.h). The force of a soft solid
-/// then grows with the square of the depth (Shojaeifard and Bacca 2025). That of the
-/// linear half-space grows with the depth.
+/// ball's was compared with presses of a tip (precompute/press/needle_curve.h). Of a
+/// nonlinear half-space the curve was computed to 5.5 radii (tests/bench/deep_tip).
 inline constexpr double kComparedRadii = 4.0;
 
 /// How deep such a curve goes beyond that, in a sentence's end; else empty.

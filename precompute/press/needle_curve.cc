@@ -1,6 +1,7 @@
 #include "precompute/press/needle_curve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,7 @@
 
 #include "formats/base/reproducible.h"
 #include "formats/response/puncture.h"
+#include "formats/response/response_curve.h"
 #include "precompute/material/material.h"
 #include "precompute/press/node_yielding.h"
 
@@ -17,15 +19,69 @@ namespace {
 // Below the surface of a vertex [m], to be in its tissue.
 constexpr double kBelowM = 1e-5;
 
+// F / (E R^2), halfway between Poisson's ratio at small depths and deep down.
+constexpr double kHalfWayForce = 2.0;
+
+double two_thirds_power(double x) {
+  const double root = reproducible::cbrt(x);
+  return root * root;
+}
+
 // E / (1 - nu^2)
 double plane_modulus_pa(const TipTissue& tissue) {
   return tissue.youngs_modulus_pa /
          (1.0 - tissue.poissons_ratio * tissue.poissons_ratio);
 }
 
-double tip_depth_m(const TipTissue& tissue, const NeedleTip& tip, double force_n) {
-  return tip.half_angle_rad > 0.0 ? linear_cone_depth_m(tissue, tip, force_n)
-                                  : linear_tip_depth_m(tissue, tip.radius_m, force_n);
+// h / R of a neo-Hookean half-space of nu = 1/2, over (F / (E R^2))^(2/3). By Hertz the
+// curve is straight; so it is smooth from the start.
+const ResponseCurve& deep_tip_curve() {
+  static constexpr std::array<double, 17> kRadii = {0.0, 0.05, 0.1, 0.2, 0.3, 0.5,
+                                                    0.7, 1.0,  1.5, 2.0, 2.5, 3.0,
+                                                    3.5, 4.0,  4.5, 5.0, 5.5};
+  static constexpr std::array<double, 17> kForce = {
+      0.0,   0.0195, 0.0546, 0.1515, 0.273, 0.568, 0.908, 1.465, 2.42,
+      3.262, 3.972,  4.69,   5.472,  6.285, 7.13,  8.005, 8.90};
+  static const ResponseCurve curve = [] {
+    std::array<double, kForce.size()> power = {};
+    std::ranges::transform(kForce, power.begin(), two_thirds_power);
+    return ResponseCurve(power, kRadii);
+  }();
+  return curve;
+}
+
+// h / R at F / (E R^2) for nu = 1/2.
+double deep_tip_radii(double force) {
+  const ResponseCurve& curve = deep_tip_curve();
+  const double power = two_thirds_power(force);
+  const double last_power = curve.depth_max_m();
+  if (power <= last_power) {
+    return curve.at(power).force_n;
+  }
+  // dx/df falls to 3 / (2 pi) from that of the curve's end, as f^(-3/2).
+  constexpr double kDeep = 1.5 / std::numbers::pi;
+  const double root = std::sqrt(last_power);
+  const double last_force = last_power * root;
+  const ResponseSample last = curve.at(last_power);
+  const double last_slope = last.stiffness_n_per_m / (1.5 * root);
+  return last.force_n + kDeep * (force - last_force) +
+         2.0 * (last_slope - kDeep) * last_force *
+             (1.0 - std::sqrt(last_force / force));
+}
+
+double round_tip_depth_m(const TipTissue& tissue, double radius_m, bool nonlinear,
+                         double force_n) {
+  return nonlinear ? nonlinear_tip_depth_m(tissue, radius_m, force_n)
+                   : linear_tip_depth_m(tissue, radius_m, force_n);
+}
+
+double tip_depth_m(const TipTissue& tissue, const NeedleTip& tip, bool nonlinear,
+                   double force_n) {
+  const double round_m = round_tip_depth_m(tissue, tip.radius_m, nonlinear, force_n);
+  return tip.half_angle_rad > 0.0
+             ? round_m + linear_cone_depth_m(tissue, tip, force_n) -
+                   linear_tip_depth_m(tissue, tip.radius_m, force_n)
+             : round_m;
 }
 
 }  // namespace
@@ -50,6 +106,18 @@ double linear_tip_depth_m(const TipTissue& tissue, double radius_m, double force
   return radius_m * t * reproducible::tanh(t);
 }
 
+double nonlinear_tip_depth_m(const TipTissue& tissue, double radius_m, double force_n) {
+  if (!(force_n > 0.0)) {
+    return 0.0;
+  }
+  const double nu = tissue.poissons_ratio;
+  const double shallow = 0.75 / (1.0 - nu * nu);
+  const double deep = 1.5 / (1.0 + nu);
+  const double force = force_n / (tissue.youngs_modulus_pa * radius_m * radius_m);
+  const double factor = deep - (deep - shallow) / (1.0 + force / kHalfWayForce);
+  return radius_m * deep_tip_radii(force / factor);
+}
+
 double linear_cone_depth_m(const TipTissue& tissue, const NeedleTip& tip,
                            double force_n) {
   if (!(force_n > 0.0)) {
@@ -65,7 +133,7 @@ double linear_cone_depth_m(const TipTissue& tissue, const NeedleTip& tip,
 }
 
 void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
-             NodeResponse& response) {
+             bool nonlinear, NodeResponse& response) {
   if (response.depth_m.empty() ||
       (tip.radius_m == ball_m && tip.half_angle_rad == 0.0)) {
     return;
@@ -75,9 +143,9 @@ void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
   double part = 0.0;
   for (std::size_t k = 0; k < response.depth_m.size(); ++k) {
     // Where the force falls, the tip has lost a part of its contact: it stays sunk in.
-    more_m =
-        std::max(more_m, tip_depth_m(tissue, tip, response.force_n[k]) -
-                             linear_tip_depth_m(tissue, ball_m, response.force_n[k]));
+    more_m = std::max(
+        more_m, tip_depth_m(tissue, tip, nonlinear, response.force_n[k]) -
+                    round_tip_depth_m(tissue, ball_m, nonlinear, response.force_n[k]));
     response.depth_m[k] += more_m;
     if (response.depth_m[k] > 0.0) {
       part = std::max(part, more_m / response.depth_m[k]);
@@ -97,9 +165,12 @@ std::vector<std::string> needle_notes(const Scene& scene) {
         scene.reach.depth_max_m > kComparedRadii * needle->radius_m) {
       notes.push_back(fmt::format(
           "needle \"{}\": below {:.3g} mm, {:.0f} radii, its curve was compared with "
-          "no "
-          "press of a tip",
-          scene.tool[t].name, 1e3 * kComparedRadii * needle->radius_m, kComparedRadii));
+          "no press of a tip{}",
+          scene.tool[t].name, 1e3 * kComparedRadii * needle->radius_m, kComparedRadii,
+          scene.reach.depth_max_m > kComputedRadii * needle->radius_m
+              ? fmt::format("; below {:.1f}, a soft half-space's is extrapolated",
+                            kComputedRadii)
+              : std::string()));
     }
   }
   return notes;

@@ -44,6 +44,24 @@ struct NeedleTip {
 [[nodiscard]] double linear_tip_depth_m(const TipTissue& tissue, double radius_m,
                                         double force_n);
 
+/// h [m] of a hemisphere in a neo-Hookean half-space, by finite elements that follow it
+/// deep down (tests/bench/deep_tip): without friction, alike around the axis. With
+/// f = F / (E R^2) and c below, h / R is a function of f / c alone. It was computed for
+/// nu = 1/2 from R / 20 to 5.5 R, to 0.7 %.
+///
+/// Deep down the tip draws the tissue over the shaft like a thimble. F is 0.82 of
+/// Hertz' at R and 0.40 at 5 R. It tends to 2 pi G R h, so that the slope is taken on
+/// from 5.5 R to 2 pi G R. There nothing was computed.
+///
+///   c = c_d - (c_d - c_0) / (1 + f / 2),  c_0 = (3/4) / (1 - nu^2),
+///                                           c_d = (3/2) / (1 + nu)
+///
+/// c turns nu = 1/2 into others: c_0 by Hertz' modulus, c_d by 2 pi G R. Its force is
+/// off by 1 % for nu = 0.45, by 4 % for 0.3.
+/// @param force_n [N] >= 0. @param radius_m [m] > 0.
+[[nodiscard]] double nonlinear_tip_depth_m(const TipTissue& tissue, double radius_m,
+                                           double force_n);
+
 /// h [m] of a cone of half-angle alpha that ends in a shaft of radius R, by linear
 /// elasticity (Sneddon 1965, cone and flat punch). It is a cone's until the contact's
 /// radius a = (2/pi) h tan alpha reaches R. From there on the contact cannot widen, and
@@ -66,8 +84,13 @@ inline constexpr double kSharpenError = 1.2;
 /// Makes a needle's response of that of its ball: forces stay, depths grow. The tilt
 /// stays at each force. The error grows by kSharpenError.
 /// @param response of a ball of `ball_m`. @param tip no wider than the ball.
+/// @param nonlinear the ball was pressed so. A cone's depth over a hemisphere's stays
+/// linear.
 void sharpen(const TipTissue& tissue, const NeedleTip& tip, double ball_m,
-             NodeResponse& response);
+             bool nonlinear, NodeResponse& response);
+
+/// [-] Depth over radius down to which nonlinear_tip_depth_m() was computed.
+inline constexpr double kComputedRadii = 5.5;
 
 /// A sentence for each needle that a scene presses deeper than was compared.
 [[nodiscard]] std::vector<std::string> needle_notes(const Scene& scene);

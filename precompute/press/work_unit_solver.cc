@@ -162,7 +162,7 @@ void sharpen_needles(const Scene& scene, const BodySource& body,
     if (const auto& needle = scene.tool_needle[tool]) {
       sharpen(tissue_at(body, node.vertex),
               {needle->radius_m, 0.5 * needle->tip_angle_rad}, needle->press_radius_m,
-              node.response);
+              is_nonlinear(scene, body), node.response);
       node.response.contact = {};  // it was the ball's
       fail_if_broken(node);
     }

@@ -25,14 +25,35 @@ constexpr double kPlanePa = 15000.0 / (1.0 - 0.45 * 0.45);
 constexpr double kRadiusM = 0.001;
 
 // F at a depth, by bisection of the depth at a force.
-double linear_force_n(double depth_m) {
+template <typename Depth>
+double bisected_force_n(double depth_m, const Depth& depth_m_at) {
   double low = 0.0;
   double high = 100.0;
   for (int i = 0; i < 100; ++i) {
     const double middle = 0.5 * (low + high);
-    (linear_tip_depth_m(kTissue, kRadiusM, middle) < depth_m ? low : high) = middle;
+    (depth_m_at(middle) < depth_m ? low : high) = middle;
   }
   return low;
+}
+
+double linear_force_n(double depth_m) {
+  return bisected_force_n(depth_m, [](double f) {
+    return linear_tip_depth_m(kTissue, kRadiusM, f);
+  });
+}
+
+// F / (E R^2) at h / R.
+double deep_force(double poissons_ratio, double radii) {
+  const TipTissue tissue{.youngs_modulus_pa = 2000.0, .poissons_ratio = poissons_ratio};
+  return bisected_force_n(0.002 * radii,
+                          [&](double f) {
+                            return nonlinear_tip_depth_m(tissue, 0.002, f);
+                          }) /
+         (2000.0 * 0.002 * 0.002);
+}
+
+double deep_slope(double radii) {
+  return (deep_force(0.5, radii + 1e-4) - deep_force(0.5, radii - 1e-4)) / 2e-4;
 }
 
 TEST(LinearTip, IsAnExactSphere) {
@@ -57,6 +78,71 @@ TEST(LinearTip, IsAFlatPunchDeepDown) {
         (linear_force_n(x * kRadiusM + h_m) - linear_force_n(x * kRadiusM - h_m)) /
         (2.0 * h_m);
     EXPECT_NEAR(slope / (2.0 * kPlanePa * kRadiusM), 1.0, 1e-6) << x;
+  }
+}
+
+// tests/bench/deep_tip prints these, each within 1 % of its own.
+TEST(DeepTip, IsWhatAFiniteElementSolutionFinds) {
+  for (const auto& [x, force] : {std::pair{0.05, 0.0196},
+                                 {0.1, 0.0546},
+                                 {0.2, 0.1518},
+                                 {0.3, 0.2737},
+                                 {0.5, 0.5694},
+                                 {0.7, 0.9107},
+                                 {1.0, 1.4679},
+                                 {1.5, 2.4246},
+                                 {2.0, 3.2683},
+                                 {2.5, 3.9833},
+                                 {3.0, 4.7006},
+                                 {3.5, 5.4725},
+                                 {4.0, 6.2918}}) {
+    EXPECT_NEAR(deep_force(0.5, x) / force, 1.0, 0.01) << x;
+  }
+}
+
+// The same with --nu: 0.45 and 0.3.
+TEST(DeepTip, TurnsIntoOtherPoissonsRatios) {
+  for (const auto& [x, force] : {std::pair{0.05, 0.0186},
+                                 {0.5, 0.5489},
+                                 {1.0, 1.4320},
+                                 {1.5, 2.3940},
+                                 {2.0, 3.2684},
+                                 {2.5, 4.0116},
+                                 {3.0, 4.7558}}) {
+    EXPECT_NEAR(deep_force(0.45, x) / force, 1.0, 0.015) << x;
+  }
+  for (const auto& [x, force] :
+       {std::pair{0.05, 0.0167}, {0.3, 0.2438}, {0.7, 0.8424}}) {
+    EXPECT_NEAR(deep_force(0.3, x) / force, 1.0, 0.04) << x;
+  }
+}
+
+TEST(DeepTip, BeginsAsHertzAndEndsAsAThimble) {
+  for (const double nu : {0.3, 0.45, 0.5}) {
+    const double hertz = 4.0 / 3.0 / (1.0 - nu * nu);
+    EXPECT_NEAR(deep_force(nu, 1e-3) / (hertz * std::pow(1e-3, 1.5)), 1.0, 0.01) << nu;
+    EXPECT_NEAR(deep_force(nu, 0.05) / (hertz * std::pow(0.05, 1.5)), 1.0, 0.03) << nu;
+    EXPECT_NEAR(deep_force(nu, 0.1) / (hertz * std::pow(0.1, 1.5)), 1.0, 0.03) << nu;
+  }
+  const double thimble = 2.0 * std::numbers::pi / 3.0;
+  EXPECT_NEAR(deep_slope(20.0) / thimble, 1.0, 0.03);
+  EXPECT_NEAR(deep_slope(1000.0) / thimble, 1.0, 1e-3);
+  EXPECT_EQ(nonlinear_tip_depth_m(kTissue, kRadiusM, 0.0), 0.0);
+}
+
+// The slope falls around 2 radii, where the tip begins to draw the tissue along.
+TEST(DeepTip, RisesEverywhereAndItsSlopeHasNoJump) {
+  double before = deep_slope(0.02);
+  for (double x = 0.03; x < 12.0; x += 0.01) {
+    const double slope = deep_slope(x);
+    EXPECT_GT(slope, 0.0) << x;
+    // As Hertz' at first, by 0.5 / x.
+    EXPECT_NEAR(slope / before, 1.0, 0.03 + 0.01 * 0.7 / x) << x;
+    before = slope;
+  }
+  for (double f = 0.1; f < 1e3; f *= 1.3) {
+    EXPECT_GT(nonlinear_tip_depth_m(kTissue, kRadiusM, 1.01 * f),
+              nonlinear_tip_depth_m(kTissue, kRadiusM, f));
   }
 }
 
@@ -128,7 +214,7 @@ TEST(Sharpen, AConeDeepensABallOfItsOwnRadius) {
   }
   NodeResponse needle = ball;
   const NeedleTip tip{.radius_m = 0.001, .half_angle_rad = 0.26};
-  sharpen(kTissue, tip, 0.001, needle);
+  sharpen(kTissue, tip, 0.001, false, needle);
   for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
     EXPECT_NEAR(needle.depth_m[k] - ball.depth_m[k],
                 linear_cone_depth_m(kTissue, tip, ball.force_n[k]) -
@@ -136,6 +222,35 @@ TEST(Sharpen, AConeDeepensABallOfItsOwnRadius) {
                 1e-12);
   }
   EXPECT_GT(needle.error_relative, 0.0);
+}
+
+TEST(Sharpen, NonlinearPressesDeepenByTheNonlinearHalfSpace) {
+  NodeResponse ball;
+  for (int k = 0; k <= 10; ++k) {
+    ball.depth_m.push_back(3e-4 * k);
+    ball.force_n.push_back(1e-3 * k * k);
+  }
+  const auto more_m = [&](std::size_t k) {
+    return nonlinear_tip_depth_m(kTissue, 0.001, ball.force_n[k]) -
+           nonlinear_tip_depth_m(kTissue, 0.003, ball.force_n[k]);
+  };
+  for (const double half_angle : {0.0, 0.26}) {
+    NodeResponse needle = ball;
+    const NeedleTip tip{.radius_m = 0.001, .half_angle_rad = half_angle};
+    sharpen(kTissue, tip, 0.003, true, needle);
+    for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
+      const double force_n = ball.force_n[k];
+      const double pointed_m = half_angle > 0.0
+                                   ? linear_cone_depth_m(kTissue, tip, force_n) -
+                                         linear_tip_depth_m(kTissue, 0.001, force_n)
+                                   : 0.0;
+      EXPECT_NEAR(needle.depth_m[k] - ball.depth_m[k], more_m(k) + pointed_m, 1e-12);
+    }
+    // Deeper than by the linear half-space.
+    NodeResponse linear = ball;
+    sharpen(kTissue, tip, 0.003, false, linear);
+    EXPECT_GT(needle.depth_m.back(), 1.05 * linear.depth_m.back());
+  }
 }
 
 TEST(Sharpen, ForcesStayAndDepthsGrow) {
@@ -147,7 +262,7 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   ball.tilt = TiltLine{.tilt = {0.1, 0.0, 0.0}, .by_depth_per_m = {20.0, 0.0, 0.0}};
   ball.error_relative = 0.03;
   NodeResponse needle = ball;
-  sharpen(kTissue, {.radius_m = 0.0005}, 0.003, needle);
+  sharpen(kTissue, {.radius_m = 0.0005}, 0.003, false, needle);
   EXPECT_EQ(needle.force_n, ball.force_n);
   EXPECT_EQ(needle.depth_m[0], 0.0);
   for (std::size_t k = 1; k < ball.depth_m.size(); ++k) {
@@ -162,7 +277,7 @@ TEST(Sharpen, ForcesStayAndDepthsGrow) {
   EXPECT_LT(needle.error_relative, kSharpenError);
   // A needle as large as its ball is its ball.
   NodeResponse same = ball;
-  sharpen(kTissue, {.radius_m = 0.003}, 0.003, same);
+  sharpen(kTissue, {.radius_m = 0.003}, 0.003, true, same);
   EXPECT_EQ(same.depth_m, ball.depth_m);
   EXPECT_EQ(same.error_relative, ball.error_relative);
 }
@@ -177,6 +292,9 @@ TEST(NeedleNotes, AreOfNeedlesThatGoDeeperThanWasCompared) {
   EXPECT_EQ(needle_notes(scene).size(), 1U);
   scene.tool_needle[2]->tip_angle_rad = 0.5;
   EXPECT_EQ(needle_notes(scene).size(), 2U);
+  EXPECT_EQ(needle_notes(scene)[0].find("extrapolated"), std::string::npos);
+  scene.reach.depth_max_m = 0.006;
+  EXPECT_NE(needle_notes(scene)[0].find("extrapolated"), std::string::npos);
   scene.reach.depth_max_m = 0.0039;
   EXPECT_TRUE(needle_notes(scene).empty());
 }
