@@ -37,7 +37,7 @@ export function principalAxis(points) {
 // began. Both are parts along the principal axis of the movement that is shown.
 export class LateralPlot extends PathPlot {
   constructor(parent) {
-    super(parent, "Lateral force [N] against displacement along the movement");
+    super(parent, "Lateral force [N] along the movement");
   }
 
   clear() {
@@ -95,7 +95,7 @@ export class LateralPlot extends PathPlot {
       [left, right] = [-0.5, 0.5];
     }
     const margin = Math.max(0.25 - 0.5 * (right - left), 0.06 * (right - left));
-    return { x: [left - margin, right + margin], y: [-1.25 * most, 1.25 * most] };
+    return { x: [left - margin, right + margin], y: [-1.35 * most, 1.35 * most] };
   }
 
   // Coulomb's limit of now, and the slope of the contact that sticks, through its anchor.
@@ -106,26 +106,30 @@ export class LateralPlot extends PathPlot {
       return;
     }
     this.clipped(() => {
-      const { ctx } = this.plot;
       for (const side of [-limit, limit]) {
         this.path([[x[0], side], [x[1], side]], "warn", { dash: [4, 3], width: 1, alpha: 0.9 });
       }
-      ctx.fillStyle = colour("warn");
-      const [left, high] = this.pixel([x[0], limit]);
-      ctx.fillText(`μ N = ${limit.toPrecision(2)} N`, left + 4 * devicePixelRatio, high - 7 * devicePixelRatio);
       const anchor = this.loop.at(-1)[0] - 1e3 * dot(stretch, this.axis);
       const reach = (1e3 * limit) / stiffness;
       this.path([[anchor - reach, -limit], [anchor + reach, limit]], "dim", { dash: [2, 3] });
-      ctx.fillStyle = colour("dim");
-      const [, low] = this.pixel([x[0], -limit]);
-      ctx.fillText(`k = ${stiffness.toPrecision(3)} N/m`, left + 4 * devicePixelRatio, low + 8 * devicePixelRatio);
     });
+  }
+
+  // At the frame's left edge, above the upper limit or below the lower one.
+  label(text, name, force) {
+    const { ctx } = this.plot;
+    const [left, high] = this.pixel([this.range().x[0], force]);
+    ctx.fillStyle = colour(name);
+    ctx.fillText(text, left + 4 * devicePixelRatio, high - Math.sign(force) * 8 * devicePixelRatio);
   }
 
   drawPaths() {
     const { loop } = this;
     this.path(loop, "force");
-    if (loop.length > 0 && this.now?.state !== "free") {
+    if (loop.length > 0 && this.now.limit_n > 0) {
+      const { limit_n: limit, n_per_m: stiffness } = this.now;
+      this.label(`μ N = ${limit.toPrecision(2)} N`, "warn", limit);
+      this.label(`k = ${stiffness.toPrecision(3)} N/m`, "dim", -limit);
       this.disc(loop.at(-1), "hand");
     }
   }

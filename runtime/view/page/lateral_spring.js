@@ -7,9 +7,9 @@ import { css, lay, rod } from "/shapes.js";
 export class LateralSpring {
   constructor(scene, thin) {
     this.material = new three.MeshBasicMaterial({ depthTest: false, transparent: true });
-    this.line = rod(0.7 * thin, this.material);
-    this.anchor = new three.Mesh(new three.SphereGeometry(1.5 * thin, 20, 14), this.material);
-    this.foot = new three.Mesh(new three.SphereGeometry(0.7 * thin, 20, 14), this.material);
+    this.line = rod(0.5 * thin, this.material);
+    this.anchor = new three.Mesh(new three.SphereGeometry(0.9 * thin, 20, 14), this.material);
+    this.foot = new three.Mesh(new three.SphereGeometry(0.6 * thin, 20, 14), this.material);
     this.parts = [this.line, this.anchor, this.foot];
     for (const mesh of this.parts) {
       mesh.renderOrder = 17;

@@ -16,7 +16,7 @@ export class PathPlot {
     const range = (name) => () => this.range()[name];
     this.plot = new uPlot({
       width: Math.max(240, this.parent.clientWidth - 2), height: 172, legend: { show: false }, cursor: { show: false },
-      padding: [8, 8, 0, 0],
+      padding: [8, 16, 0, 0],
       scales: { x: { time: false, range: range("x") }, y: { range: range("y") } },
       axes: [axis({ size: 26, values: (_, v) => v.map((mm) => `${mm} mm`) }), axis({ size: 46, space: 26 })],
       series: [{}, { paths: () => null, points: { show: false } }],
