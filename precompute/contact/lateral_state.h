@@ -50,8 +50,8 @@ void correct_lateral_states(const PressedState& pressed, const RestSolve& solve,
                             std::span<const std::int32_t> patch,
                             const IndentationPath& path, Indentation& indentation);
 
-/// States at depth d take 1 + times d / depth of their lateral stiffness. A tangent made
-/// that of it at a penetration, here or at a neighbour.
+/// States at depth d take 1 + times d / depth of their lateral stiffness. A tangent
+/// made that of it at a penetration, here or at a neighbour.
 void take_tangent(Indentation& indentation, double penetration_m, double times);
 
 }  // namespace palpate
