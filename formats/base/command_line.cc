@@ -15,6 +15,18 @@
 namespace palpate {
 namespace {
 
+// CLI11's own says the largest number that there is.
+CLI::Validator number_that(const std::string& must_be, const std::string& name,
+                           bool (*holds)(double)) {
+  return {[must_be, holds](const std::string& text) {
+            double value = 0.0;
+            return CLI::detail::lexical_cast(text, value) && holds(value)
+                       ? std::string()
+                       : text + " must be " + must_be;
+          },
+          name};
+}
+
 constexpr int kAnyNumber = -1;
 
 bool print_page(const CLI::App& app, int argc, char** argv) {
@@ -101,12 +113,16 @@ CommandOption CommandOption::in_range(unsigned least, unsigned most) {
 }
 
 CommandOption CommandOption::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(number_that("positive", "POSITIVE", [](double x) {
+    return x > 0.0;
+  }));
   return *this;
 }
 
 CommandOption CommandOption::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
+  option_->check(number_that("at least 0", "NONNEGATIVE", [](double x) {
+    return x >= 0.0;
+  }));
   return *this;
 }
 

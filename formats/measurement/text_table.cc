@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "formats/base/units.h"
+#include "formats/measurement/asked_columns.h"
 #include "formats/measurement/column_name.h"
 #include "formats/measurement/decimal_mark.h"
 #include "formats/measurement/table_header.h"
@@ -17,51 +17,9 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-struct TableLayout {
-  char delimiter = ',';
-  Cells header;                     // empty where the file has none
-  Cells unit;                       // as many; empty texts where none is stated
-  std::size_t begin = 0;            // first line below the header
-  std::vector<std::size_t> column;  // of each column that is asked for
-};
-
-constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
-                                                     seconds_per};
-
-// Columns that are asked for, what they are, and where their samples go.
-struct Request {
-  std::string file;  // for messages
-  HeaderUnits header_units;
-  std::vector<const MeasurementColumn*> column = {};
-  std::vector<std::size_t> quantity = {};
-  std::vector<const char*> what = {};  // for messages: "normal force"
-  std::vector<std::vector<double>*> samples = {};
-  std::vector<std::string*> name = {};
-
-  void add(const MeasurementColumn& asked, std::size_t of, const char* called,
-           std::vector<double>& into, std::string& named) {
-    column.push_back(&asked);
-    quantity.push_back(of);
-    what.push_back(called);
-    samples.push_back(&into);
-    name.push_back(&named);
-  }
-  [[nodiscard]] std::optional<double> unit_si_of(std::size_t which,
-                                                 std::string_view unit) const {
-    return unit_si(quantity[which], unit);
-  }
-  [[nodiscard]] double given_unit(std::size_t which) const {
-    return kUnitSize[quantity[which]](column[which]->unit);
-  }
-};
-
 constexpr std::size_t kFirstRows = 3;
 
-bool numeric(const Cells& cells, std::size_t column) {
-  return column < cells.size() && parse_number(cells[column], true).has_value();
-}
-
-std::optional<std::size_t> resolve(const Request& request, std::size_t which,
+std::optional<std::size_t> resolve(const AskedColumns& request, std::size_t which,
                                    const Cells& header) {
   const MeasurementColumn& choice = *request.column[which];
   if (const auto number = column_number(choice.column)) {
@@ -77,7 +35,7 @@ std::optional<std::size_t> resolve(const Request& request, std::size_t which,
 }
 
 // All columns by number: the first line in which all are numbers begins the data.
-std::optional<TableLayout> find_by_numbers(const Request& request,
+std::optional<TableLayout> find_by_numbers(const AskedColumns& request,
                                            std::span<const TextLine> lines,
                                            char delimiter) {
   std::vector<std::size_t> column;
@@ -100,7 +58,7 @@ std::optional<TableLayout> find_by_numbers(const Request& request,
 }
 
 // A column by name: the first line that holds the name begins the table.
-std::optional<TableLayout> find_by_names(const Request& request,
+std::optional<TableLayout> find_by_names(const AskedColumns& request,
                                          std::span<const TextLine> lines,
                                          char delimiter) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -125,7 +83,7 @@ std::optional<TableLayout> find_by_names(const Request& request,
   return std::nullopt;
 }
 
-[[noreturn]] void refuse_columns(const Request& request,
+[[noreturn]] void refuse_columns(const AskedColumns& request,
                                  std::span<const TextLine> lines) {
   for (const char delimiter : kDelimiters) {
     const auto table = find_header(lines, delimiter);
@@ -154,7 +112,7 @@ std::optional<TableLayout> find_by_names(const Request& request,
                   request.file));
 }
 
-TableLayout find_table(const Request& request, std::span<const TextLine> lines) {
+TableLayout find_table(const AskedColumns& request, std::span<const TextLine> lines) {
   const bool numbers = std::all_of(request.column.begin(), request.column.end(),
                                    [](const MeasurementColumn* choice) {
                                      return column_number(choice->column).has_value();
@@ -169,84 +127,7 @@ TableLayout find_table(const Request& request, std::span<const TextLine> lines) 
   refuse_columns(request, lines);
 }
 
-// A stated unit of another kind or of another size is a contradiction; a text that
-// is no known unit says nothing.
-void check_unit(const Request& request, std::size_t which, const std::string& stated,
-                std::string_view where) {
-  const std::string& asked = request.column[which]->unit;
-  if (request.header_units == HeaderUnits::kIgnored || asked == kUnitFromHeader) {
-    return;
-  }
-  if (is_known_unit(stated) &&
-      request.unit_si_of(which, stated) != request.given_unit(which)) {
-    throw InputError(
-        fmt::format("{}: {} states the unit {}, but the {} unit is given "
-                    "as {}",
-                    request.file, where, stated, request.what[which], asked));
-  }
-}
-
-// A name that states one unit over a line of units that states another one.
-void check_one_unit(const Request& request, std::size_t which, const std::string& name,
-                    const std::string& above, const std::string& below) {
-  const bool open = request.header_units == HeaderUnits::kMustAgree ||
-                    request.column[which]->unit == kUnitFromHeader;
-  if (open && is_known_unit(above) &&
-      request.unit_si_of(which, above) != request.unit_si_of(which, below)) {
-    throw InputError(fmt::format(
-        "{}: column \"{}\" states the unit {} in its name and {} below it; two systems "
-        "of units in one column are not read: mend the header",
-        request.file, name, above, below));
-  }
-}
-
-// The line below the header, if it holds units; no cell is a number then. Its units
-// are the table's.
-bool take_unit_line(const Request& request, const TextLine& line, TableLayout& table) {
-  const Cells cells = split_cells(line.text, table.delimiter);
-  Cells units;
-  for (const std::size_t column : table.column) {
-    if (column >= cells.size() || column >= table.header.size() ||
-        numeric(cells, column)) {
-      return false;
-    }
-    units.push_back(unit_beside(parse_column_name(table.header[column]).quantity,
-                                stated_unit(cells[column])));
-    if (!is_known_unit(units.back())) {
-      return false;
-    }
-  }
-  for (std::size_t which = 0; which < units.size(); ++which) {
-    const std::size_t column = table.column[which];
-    check_unit(request, which, units[which], fmt::format("line {}", line.number));
-    check_one_unit(request, which, table.header[column], table.unit[column],
-                   units[which]);
-    table.unit[column] = units[which];
-  }
-  return true;
-}
-
-// SI units in one of the column's: as it was given, or as header or unit line state it.
-double unit_size(const Request& request, const TableLayout& table, std::size_t which) {
-  const std::size_t column = table.column[which];
-  const std::string stated = column < table.unit.size() ? table.unit[column] : "";
-  if (request.column[which]->unit != kUnitFromHeader) {
-    if (column < table.header.size()) {
-      check_unit(request, which, stated,
-                 fmt::format("column \"{}\"", table.header[column]));
-    }
-    return request.given_unit(which);
-  }
-  const auto size = request.unit_si_of(which, stated);
-  if (!size) {
-    throw InputError(fmt::format(
-        "{}: the {} unit is to be read from the header, which states {}", request.file,
-        request.what[which], stated.empty() ? "none" : fmt::format("{:?}", stated)));
-  }
-  return *size;
-}
-
-double cell_number(const Request& request, const TableLayout& table,
+double cell_number(const AskedColumns& request, const TableLayout& table,
                    const TextLine& line, const Cells& cells, std::size_t which) {
   const std::size_t column = table.column[which];
   const std::string name =
@@ -280,39 +161,6 @@ bool all_missing(const TableLayout& table, const Cells& cells) {
   return std::all_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
     return column < cells.size() && is_missing(cells[column]);
   });
-}
-
-Request make_request(const std::string& file, const MeasurementColumns& columns,
-                     HeaderUnits header_units, MeasurementFile& result,
-                     std::string& unnamed) {
-  Request request{file, header_units};
-  Measurement& samples = result.samples;
-  request.add(columns.depth, kDepth, columns.lateral ? "displacement" : "depth",
-              samples.depth_m, result.depth_column);
-  request.add(columns.force, kForce, "force", samples.force_n, result.force_column);
-  if (columns.time) {
-    request.add(*columns.time, kTime, "time", samples.time_s, result.time_column);
-  }
-  if (columns.lateral && columns.lateral->normal) {
-    request.add(*columns.lateral->normal, kForce, "normal force", result.normal_n,
-                result.normal_column);
-  }
-  if (columns.lateral && columns.lateral->across && columns.lateral->across_force) {
-    request.add(*columns.lateral->across, kDepth, "displacement across",
-                result.across_m, unnamed);
-    request.add(*columns.lateral->across_force, kForce, "force across", result.across_n,
-                unnamed);
-  }
-  for (std::size_t which = 0; which < request.column.size(); ++which) {
-    if (request.column[which]->unit != kUnitFromHeader) {
-      (void)request.given_unit(which);
-    }
-    if (column_number(request.column[which]->column) == std::size_t{0}) {
-      throw InputError(
-          fmt::format("{} column 0: columns are counted from 1", request.what[which]));
-    }
-  }
-  return request;
 }
 
 bool has_empty_cell(const TableLayout& table, const TextLine& line) {
@@ -364,7 +212,7 @@ bool any_nan(const TableLayout& table, const Cells& cells) {
 }
 
 // @return rows left out for a NaN, where `skips_nan`.
-std::size_t read_rows(const Request& request, const TableLayout& table,
+std::size_t read_rows(const AskedColumns& request, const TableLayout& table,
                       std::span<const TextLine> lines, const std::vector<double>& size,
                       bool skips_nan) {
   DecimalMark mark(request.file);
@@ -395,7 +243,8 @@ MeasurementFile read_table(const std::string& file, std::span<const TextLine> li
                            HeaderUnits header_units) {
   MeasurementFile result;
   std::string unnamed;
-  const Request request = make_request(file, columns, header_units, result, unnamed);
+  const AskedColumns request =
+      asked_columns(file, columns, header_units, result, unnamed);
   TableLayout table = find_table(request, lines);
   std::size_t begin = table.begin;
   if (begin < lines.size() && take_unit_line(request, lines[begin], table)) {

@@ -18,7 +18,7 @@ struct Case {
 };
 
 void report(const Case& c, unsigned runs, unsigned first_seed) {
-  IntervalCoverage coverage;
+  NeedleCoverage coverage;
   double seconds = 0.0;
   int failed = 0;
   for (unsigned seed = first_seed; seed < first_seed + runs; ++seed) {
@@ -51,11 +51,7 @@ void report(const Case& c, unsigned runs, unsigned first_seed) {
   fmt::print("{}: {} runs, {} refused, {} ruptures too many, {} missed, {:.0f} ms\n",
              c.name, runs, failed, coverage.false_ruptures, coverage.missed,
              1e3 * seconds / runs);
-  for (const auto& [name, held] : coverage.quantity) {
-    fmt::print("  {:<22} {:.3f} of {} ({} refused), errors {:.2f} of stated\n", name,
-               static_cast<double>(held.held) / held.of, held.of, held.refused,
-               std::sqrt(held.squares / held.of));
-  }
+  coverage.print();
 }
 
 }  // namespace

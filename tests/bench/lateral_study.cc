@@ -55,11 +55,7 @@ void report(const Case& c, unsigned runs, unsigned first_seed) {
       "their cycles, {:.0f} ms\n",
       c.name, runs, failed, coverage.wrong_law, coverage.laws_alike, coverage.warned,
       1e3 * seconds / runs);
-  for (const auto& [name, held] : coverage.quantity) {
-    fmt::print("  {:<18} {:.3f} of {} ({} refused), errors {:.2f} of stated\n", name,
-               static_cast<double>(held.held) / held.of, held.of, held.refused,
-               std::sqrt(held.squares / held.of));
-  }
+  coverage.print();
 }
 
 }  // namespace

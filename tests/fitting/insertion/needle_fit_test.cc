@@ -211,7 +211,7 @@ TEST(NeedlePath, PassesAreToldByTheDirectionOfMotion) {
 // 40 of the 200 runs of insertion_study, a sixth of the noises each. A count of 40 at
 // 0.95 is below 33 with a probability of 2e-4.
 TEST(NeedleFit, IntervalsHoldTheTruth) {
-  IntervalCoverage coverage;
+  NeedleCoverage coverage;
   for (unsigned seed = 501; seed <= 540; ++seed) {
     RandomNeedle random = random_needle(seed);
     random.run.noise_n = seed % 2 == 0 ? 0.01 : 0.02;

@@ -1,12 +1,11 @@
 // Random insertions of known truth, and whether a fit's intervals hold it.
 #pragma once
 
-#include <map>
 #include <random>
-#include <string>
 
 #include "fitting/insertion/needle_fit.h"
 #include "tests/fitting/insertion/needle_simulation.h"
+#include "tests/support/interval_coverage.h"
 
 namespace palpate {
 
@@ -51,26 +50,10 @@ inline RandomNeedle random_needle(unsigned seed) {
   return needle;
 }
 
-/// What intervals held, by the name of the quantity.
-struct IntervalCoverage {
+/// What intervals held, and ruptures that were not there or not found.
+struct NeedleCoverage : IntervalCoverage {
+  using IntervalCoverage::add;
   int runs = 0, wrong_count = 0, false_ruptures = 0, missed = 0;
-  struct Held {
-    int held = 0, of = 0, refused = 0;
-    double squares = 0.0;  // of errors over standard deviations
-  };
-  std::map<std::string, Held> quantity;
-
-  void add(const std::string& name, const IntervalEstimate& e, double truth) {
-    Held& h = quantity[name];
-    if (!e.refused.empty()) {
-      ++h.refused;
-      return;
-    }
-    ++h.of;
-    h.held += e.low <= truth && truth <= e.high ? 1 : 0;
-    h.squares += (e.value - truth) * (e.value - truth) / (e.sd * e.sd);
-  }
-
   void add(const NeedleFit& fit, const SimulatedNeedle& needle,
            const SimulatedRun& run) {
     const SimulatedTissue& t = needle.tissue;

@@ -1,12 +1,11 @@
 // Random lateral loops of known truth, and whether a fit's intervals hold it.
 #pragma once
 
-#include <map>
 #include <random>
-#include <string>
 
 #include "fitting/lateral/lateral_fit.h"
 #include "tests/fitting/lateral/loop_simulation.h"
+#include "tests/support/interval_coverage.h"
 
 namespace palpate {
 
@@ -41,25 +40,10 @@ inline RandomLoop random_loop(unsigned seed) {
   return loop;
 }
 
-/// What intervals held, by the name of the quantity.
-struct LoopCoverage {
-  struct Held {
-    int held = 0, of = 0, refused = 0;
-    double squares = 0.0;  // of errors over standard deviations
-  };
-  std::map<std::string, Held> quantity;
+/// What intervals held, and what else was found.
+struct LoopCoverage : IntervalCoverage {
+  using IntervalCoverage::add;
   int wrong_law = 0, laws_alike = 0, warned = 0;
-
-  void add(const std::string& name, const IntervalEstimate& e, double truth) {
-    Held& h = quantity[name];
-    if (!e.refused.empty()) {
-      ++h.refused;
-      return;
-    }
-    ++h.of;
-    h.held += e.low <= truth && truth <= e.high ? 1 : 0;
-    h.squares += (e.value - truth) * (e.value - truth) / (e.sd * e.sd);
-  }
 
   void add(const LateralFit& fit, const RandomLoop& truth, const SimulatedLoop& loop) {
     const bool is_partial = fit.better.law == ContactLaw::kPartialSlip;

@@ -4,6 +4,7 @@
 
 #include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
+#include "tests/support/contact_database.h"
 #include "tests/support/punctured_sphere.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
@@ -142,6 +143,52 @@ TEST_F(DatabaseTool, ExportGoesByTheExtension) {
       "palpate-db", {"export", file_, "-o", folder_ / "a.obj", "--tool", "ball"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_NE(unknown.err.find("must be .vtu, .csv or .json"), std::string::npos);
+}
+
+TEST_F(DatabaseTool, ExportsTaxelsUnderThePressedTool) {
+  write_database(file_, with_contacts());
+  const std::string output = folder_ / "t.json";
+  const auto exported = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"export", file_, "--tool", "tip", "-o", output});
+    return run_tool_process("palpate-db", more);
+  };
+  const ToolRun run = exported({"--taxels", "60x50", "--pitch-m", "0.001", "--at",
+                                "0.05,0,0", "--depth-m", "0.002"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json taxels = parse_json(bytes_of(output));
+  double sum_n = 0.0;
+  for (const Json& row : taxels.at("pressure_pa")) {
+    ASSERT_EQ(row.size(), 60U);
+    for (const double pressure_pa : row) {
+      sum_n += 1e-6 * pressure_pa;
+    }
+  }
+  EXPECT_GT(sum_n, 0.0);
+  EXPECT_NEAR(sum_n + taxels.at("beside_n").get<double>(), taxels.at("force_n"), 1e-12);
+}
+
+TEST_F(DatabaseTool, RefusesTaxelsWithoutSense) {
+  struct Case {
+    std::vector<std::string> options;
+    const char* says;
+  };
+  for (const Case& c : std::vector<Case>{
+           {{"--taxels", "16", "--at", "0,0,0"}, "must be COLUMNSxROWS"},
+           {{"--taxels", "16x16"}, "needs --at"},
+           {{"--at", "0,0,0"}, "must be COLUMNSxROWS"},
+           {{"--taxels", "4x0", "--at", "0,0,0"}, "must have 1 to 1000"},
+           {{"--taxels", "4x4", "--at", "0,0,0", "--pressure-law"}, "exclude"},
+           {{"--taxels", "4x4", "--at", "0,0,0", "--depth-m", "-1"},
+            "must be positive"},
+           {{"--taxels", "4x4", "--at", "0,0,0"}, "has no pressures"}}) {
+    std::vector<std::string> options = c.options;
+    options.insert(options.begin(),
+                   {"export", file_, "--tool", "ball", "-o", folder_ / "t.csv"});
+    const ToolRun run = run_tool_process("palpate-db", options);
+    EXPECT_EQ(run.exit_code, 2) << c.says;
+    EXPECT_NE(run.err.find(c.says), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
 }
 
 TEST_F(DatabaseTool, BenchPrecisionListsEveryWayOfStoring) {
