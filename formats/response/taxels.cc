@@ -18,11 +18,6 @@ constexpr double kPointsToRadius = 100.0;
 
 void check_taxels(const ResponseTable& table, const Eigen::Vector3d& position_m,
                   const TaxelGrid& grid) {
-  if (!table.contact.has_pressure()) {
-    throw InputError(fmt::format(
-        "tool {:?} has no pressures; build the database again with this version",
-        table.tool.name));
-  }
   if (!(grid.rows >= 1 && grid.rows <= kMostTaxels && grid.columns >= 1 &&
         grid.columns <= kMostTaxels && grid.pitch_m > 0.0 &&
         std::isfinite(grid.pitch_m))) {
@@ -30,6 +25,11 @@ void check_taxels(const ResponseTable& table, const Eigen::Vector3d& position_m,
         "a grid of {} x {} taxels {} m apart; must have 1 to {} to a side, a positive "
         "distance apart",
         grid.columns, grid.rows, grid.pitch_m, kMostTaxels));
+  }
+  if (!table.contact.has_pressure()) {
+    throw InputError(fmt::format(
+        "tool {:?} has no pressures; build the database again with this version",
+        table.tool.name));
   }
   if (!position_m.allFinite()) {
     throw InputError(
