@@ -150,7 +150,10 @@ TEST_F(PalpateScene, SoftensWhatTheDeviceCannotRender) {
   const double felt_n = press(tool, 0.003).force[2];
   EXPECT_NEAR(felt_n, 40.0 / 400.0 * wall(0, 0.003),
               1e-6);  // the steepest slope is 400
-  EXPECT_EQ(service().softened, 121);
+  // Every answer counts: the final one of each node, and a preliminary one that may
+  // have come before it.
+  EXPECT_GE(service().softened, 121);
+  EXPECT_LE(service().softened, 2 * 121);
   EXPECT_LE(palpate_needed_damping(body_), 0.02 * (1.0 + 1e-9));
 }
 
