@@ -1,7 +1,7 @@
 // Exceptions in WebAssembly for Debian's libc++abi, whose build for wasm32-wasi leaves
 // them out. One thread.
-// Source: Itanium C++ ABI, Exception Handling; the tables as LLVM's WasmEHPrepare writes
-// them, which libc++abi's cxa_personality.cpp reads.
+// Source: Itanium C++ ABI, Exception Handling; the tables as LLVM's WasmEHPrepare
+// writes them, which libc++abi's cxa_personality.cpp reads.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -32,15 +32,16 @@ namespace {
 struct alignas(16) Header {
   const std::type_info* type;
   void* (*destroy)(void*);
-  Header* next;   // that was caught before and is still handled
+  Header* next;    // that was caught before and is still handled
   void* adjusted;  // what the clause sees
-  int handlers;   // negative: thrown again
+  int handlers;    // negative: thrown again
 };
 
-Header* caught = nullptr;
-unsigned uncaught = 0;
+Header* caught = nullptr;  // the latest that is handled
 
-Header* header_of(void* thrown) { return static_cast<Header*>(thrown) - 1; }
+Header* header_of(void* thrown) {
+  return static_cast<Header*>(thrown) - 1;
+}
 
 std::uint32_t read_uleb(const std::uint8_t*& at) {
   std::uint32_t value = 0;
@@ -95,7 +96,9 @@ int _Unwind_CallPersonality(void* thrown) {
   const std::uint8_t* const actions = at + bytes;
   std::uint32_t action = 0;
   for (std::uintptr_t pad = 0; pad <= __wasm_lpad_context.index; ++pad) {
-    if (at >= actions) std::abort();
+    if (at >= actions) {
+      std::abort();
+    }
     read_uleb(at);
     action = read_uleb(at);
   }
@@ -136,7 +139,9 @@ void* __cxa_allocate_exception(std::size_t bytes) throw() {
   return header + 1;
 }
 
-void __cxa_free_exception(void* thrown) throw() { std::free(header_of(thrown)); }
+void __cxa_free_exception(void* thrown) throw() {
+  std::free(header_of(thrown));
+}
 
 [[noreturn]] void __cxa_throw(void* thrown, std::type_info* type,
                               void* (*destroy)(void*)) {
@@ -144,7 +149,6 @@ void __cxa_free_exception(void* thrown) throw() { std::free(header_of(thrown)); 
   header->type = type;
   header->destroy = destroy;
   header->adjusted = thrown;
-  ++uncaught;
   __builtin_wasm_throw(0, thrown);
 }
 
@@ -159,7 +163,6 @@ void* __cxa_begin_catch(void* thrown) throw() {
     header->next = caught;
     caught = header;
   }
-  --uncaught;
   return header->adjusted;
 }
 
@@ -188,13 +191,11 @@ void __cxa_end_catch() {
     std::terminate();
   }
   caught->handlers = -caught->handlers;
-  ++uncaught;
   __builtin_wasm_throw(0, caught + 1);
 }
 
-unsigned __cxa_uncaught_exceptions() throw() { return uncaught; }
-bool __cxa_uncaught_exception() throw() { return uncaught != 0; }
-
-int __gxx_wasm_personality_v0(...) { std::abort(); }
+int __gxx_wasm_personality_v0(...) {
+  std::abort();
+}
 
 }  // extern "C"
