@@ -1,0 +1,50 @@
+using Palpate.Unity;
+using UnityEngine;
+
+/// <summary>
+/// Presses a body with the mouse: put this on an empty object, name the database, and play.
+/// The tool floats over the place under the mouse. The left button presses it down along the
+/// view, and the force is drawn. It reads the mouse by the old input manager.
+/// </summary>
+public sealed class PressWithMouse : MonoBehaviour
+{
+    public string file = "body.h5";
+    public float depthMax = 0.005f;         // [scene's length]
+    public float speed = 0.01f;             // [scene's length / s] of a press
+    public float lengthPerNewton = 0.05f;   // [scene's length / N] of the drawn force
+
+    private PalpateBody body;
+    private PalpateTool tool;
+    private Collider surface;
+    private float depth;
+
+    private void Start()
+    {
+        GameObject pressed = new GameObject("palpate body");
+        pressed.SetActive(false);  // opened when all is set
+        surface = pressed.AddComponent<MeshCollider>();
+        body = pressed.AddComponent<PalpateBody>();
+        body.file = file;
+        pressed.SetActive(true);
+        GameObject sphere = GameObject.CreatePrimitive(PrimitiveType.Sphere);
+        sphere.SetActive(false);
+        sphere.transform.position = new Vector3(0.0f, 1.0f, 0.0f);
+        tool = sphere.AddComponent<PalpateTool>();
+        tool.body = body;
+        sphere.SetActive(true);
+        sphere.transform.localScale = 2.0f * tool.Radius * Vector3.one;
+    }
+
+    private void Update()
+    {
+        Ray view = Camera.main.ScreenPointToRay(Input.mousePosition);
+        RaycastHit hit;
+        if (surface.Raycast(view, out hit, 100.0f))
+        {
+            float wanted = Input.GetMouseButton(0) ? depthMax : -0.5f * tool.Radius;
+            depth = Mathf.MoveTowards(depth, wanted, speed * Time.deltaTime);
+            tool.transform.position = hit.point - (tool.Radius - depth) * view.direction;
+        }
+        Debug.DrawRay(tool.transform.position, lengthPerNewton * tool.Force, Color.red);
+    }
+}
