@@ -13,26 +13,26 @@ public sealed class PressWithMouse : MonoBehaviour
     public float speed = 0.01f;             // [scene's length / s] of a press
     public float lengthPerNewton = 0.05f;   // [scene's length / N] of the drawn force
 
-    private PalpateBody body;
-    private PalpateTool tool;
     private Collider surface;
     private float depth;
+
+    public PalpateTool Tool { get; private set; }
 
     private void Start()
     {
         GameObject pressed = new GameObject("palpate body");
         pressed.SetActive(false);  // opened when all is set
         surface = pressed.AddComponent<MeshCollider>();
-        body = pressed.AddComponent<PalpateBody>();
+        PalpateBody body = pressed.AddComponent<PalpateBody>();
         body.file = file;
         pressed.SetActive(true);
         GameObject sphere = GameObject.CreatePrimitive(PrimitiveType.Sphere);
         sphere.SetActive(false);
         sphere.transform.position = new Vector3(0.0f, 1.0f, 0.0f);
-        tool = sphere.AddComponent<PalpateTool>();
-        tool.body = body;
+        Tool = sphere.AddComponent<PalpateTool>();
+        Tool.body = body;
         sphere.SetActive(true);
-        sphere.transform.localScale = 2.0f * tool.Radius * Vector3.one;
+        sphere.transform.localScale = 2.0f * Tool.Radius * Vector3.one;
     }
 
     private void Update()
@@ -41,10 +41,10 @@ public sealed class PressWithMouse : MonoBehaviour
         RaycastHit hit;
         if (surface.Raycast(view, out hit, 100.0f))
         {
-            float wanted = Input.GetMouseButton(0) ? depthMax : -0.5f * tool.Radius;
+            float wanted = Input.GetMouseButton(0) ? depthMax : -0.5f * Tool.Radius;
             depth = Mathf.MoveTowards(depth, wanted, speed * Time.deltaTime);
-            tool.transform.position = hit.point - (tool.Radius - depth) * view.direction;
+            Tool.transform.position = hit.point - (Tool.Radius - depth) * view.direction;
         }
-        Debug.DrawRay(tool.transform.position, lengthPerNewton * tool.Force, Color.red);
+        Debug.DrawRay(Tool.transform.position, lengthPerNewton * Tool.Force, Color.red);
     }
 }
