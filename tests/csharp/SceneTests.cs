@@ -1,6 +1,5 @@
 // The components, in a stand-in for Unity's engine: what they do, not how it looks.
 using System;
-using System.IO;
 using System.Linq;
 using System.Threading;
 using Palpate;
@@ -176,6 +175,23 @@ public static class SceneTests
         Input.Pressed = false;
         Frames(() => tool.Status == Status.Free, "pressed yet", empty, tool.gameObject);
         tool.body.gameObject.SetActive(false);
+        Check.Equal("", string.Join(", ", Debug.Errors));
+    }
+
+    public static void TheExamplesOfThePageRun()
+    {
+        Check.Near(0.08, Press.Force(Given.File("plate.h5")), 1e-6);
+        PalpateBody body = Stand("plate.h5", "", Vector3.zero);
+        GameObject held = new GameObject("finger");
+        held.SetActive(false);
+        PalpateTool tool = held.AddComponent<PalpateTool>();
+        Spring spring = held.AddComponent<Spring>();
+        held.AddComponent<Gauge>().tool = tool;
+        tool.body = body;
+        spring.Send("Awake");
+        held.SetActive(true);
+        Frames(() => Math.Abs(held.transform.position.y - 0.1f) < 1e-6f, "not led", held);
+        body.gameObject.SetActive(false);
         Check.Equal("", string.Join(", ", Debug.Errors));
     }
 }
