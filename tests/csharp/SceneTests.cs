@@ -166,6 +166,9 @@ public static class SceneTests
         sample.file = "plate.h5";
         sample.depthMax = 0.002f;
         empty.Send("Start");
+        Check.True(sample.Tool.body.GetComponent<MeshRenderer>().sharedMaterial != null, "magenta");
+        Check.Near(0.0, Camera.main.transform.LookedAt.magnitude, 1e-6);
+        Check.True(Camera.main.transform.position.y > 0.08f, "not from above");
         Camera.main.View = new Ray(new Vector3(0.003f, 0.5f, 0.002f), new Vector3(0, -1, 0));
         PalpateTool tool = sample.Tool;
         Input.Pressed = true;

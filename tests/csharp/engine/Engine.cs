@@ -68,6 +68,9 @@ namespace UnityEngine
         public Quaternion rotation = Quaternion.identity;
         public Vector3 localScale = Vector3.one;
         public Vector3 lossyScale { get { return localScale; } }
+        public Vector3 LookedAt;
+
+        public void LookAt(Vector3 there) { LookedAt = there; }
     }
 
     public enum PrimitiveType
@@ -91,7 +94,9 @@ namespace UnityEngine
 
         public static GameObject CreatePrimitive(PrimitiveType type)
         {
-            return new GameObject(type.ToString());
+            GameObject made = new GameObject(type.ToString());
+            made.AddComponent<MeshRenderer>().sharedMaterial = new Material();
+            return made;
         }
 
         public T AddComponent<T>() where T : Component { return (T)Add(typeof(T)); }
@@ -159,8 +164,32 @@ namespace UnityEngine
         public Mesh sharedMesh;
     }
 
+    public sealed class Material : Object
+    {
+    }
+
     public class MeshRenderer : Component
     {
+        public Material sharedMaterial;
+
+        public Bounds bounds
+        {
+            get
+            {
+                Vector3 low = float.MaxValue * Vector3.one, high = -1.0f * low;
+                foreach (Vector3 vertex in GetComponent<MeshFilter>().sharedMesh.vertices)
+                {
+                    Vector3 at = transform.position + transform.rotation * vertex;
+                    low = Vector3.Min(low, at);
+                    high = Vector3.Max(high, at);
+                }
+                return new Bounds
+                {
+                    center = 0.5f * (low + high),
+                    extents = 0.5f * (high - low)
+                };
+            }
+        }
     }
 
     public class Collider : Component
@@ -211,7 +240,8 @@ namespace UnityEngine
 
     public sealed class Camera : Behaviour
     {
-        public static Camera main = new Camera();
+        public static Camera main = new GameObject("camera").AddComponent<Camera>();
+        public float nearClipPlane = 0.3f;
         public Ray View;
 
         public Ray ScreenPointToRay(Vector3 pixel) { return View; }

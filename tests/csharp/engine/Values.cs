@@ -19,6 +19,13 @@ namespace UnityEngine
         public static Vector3 zero { get { return new Vector3(0, 0, 0); } }
         public float magnitude { get { return (float)Math.Sqrt(Dot(this, this)); } }
 
+        public static Vector3 Min(Vector3 a, Vector3 b)
+        {
+            return new Vector3(Math.Min(a.x, b.x), Math.Min(a.y, b.y), Math.Min(a.z, b.z));
+        }
+
+        public static Vector3 Max(Vector3 a, Vector3 b) { return -1.0f * Min(-1.0f * a, -1.0f * b); }
+
         public static float Dot(Vector3 a, Vector3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
         public static Vector3 Cross(Vector3 a, Vector3 b)
@@ -76,6 +83,11 @@ namespace UnityEngine
     {
         public float r, g, b, a;
         public static Color red { get { return new Color { r = 1, a = 1 }; } }
+    }
+
+    public struct Bounds
+    {
+        public Vector3 center, extents;
     }
 
     public struct Ray

@@ -95,6 +95,7 @@ namespace Palpate.Unity
             {
                 loop.Dispose();
                 loop = null;
+                frame = new HapticFrame();
             }
             if (tool != null)
             {

@@ -25,14 +25,26 @@ public sealed class PressWithMouse : MonoBehaviour
         surface = pressed.AddComponent<MeshCollider>();
         PalpateBody body = pressed.AddComponent<PalpateBody>();
         body.file = file;
-        pressed.SetActive(true);
         GameObject sphere = GameObject.CreatePrimitive(PrimitiveType.Sphere);
+        MeshRenderer drawn = pressed.GetComponent<MeshRenderer>();
+        drawn.sharedMaterial = sphere.GetComponent<MeshRenderer>().sharedMaterial;
+        pressed.SetActive(true);
+        LookAt(drawn.bounds);
         sphere.SetActive(false);
         sphere.transform.position = new Vector3(0.0f, 1.0f, 0.0f);
         Tool = sphere.AddComponent<PalpateTool>();
         Tool.body = body;
         sphere.SetActive(true);
         sphere.transform.localScale = 2.0f * Tool.Radius * Vector3.one;
+    }
+
+    private static void LookAt(Bounds bounds)
+    {
+        Camera eye = Camera.main;
+        eye.nearClipPlane = 0.01f * bounds.extents.magnitude;
+        eye.transform.position =
+            bounds.center + 2.5f * bounds.extents.magnitude * new Vector3(0.0f, 0.6f, -0.8f);
+        eye.transform.LookAt(bounds.center);
     }
 
     private void Update()
