@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "formats/hdf5/hdf5_io.h"
 #include "formats/recording/kept_surface.h"
 
 namespace palpate {
@@ -161,8 +160,5 @@ constexpr std::size_t kRecordingBlock = 1024;
 /// program of before (contact_recording.h), too. @throws InputError if it is missing,
 /// FormatError if it is foreign, truncated, damaged or of another version.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file);
-
-/// content_sha256 of a response database, as its file says. @throws as Hdf5Reader.
-[[nodiscard]] std::string database_sha256(const std::filesystem::path& database);
 
 }  // namespace palpate
