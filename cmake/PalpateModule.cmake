@@ -41,8 +41,8 @@ function(palpate_library name)
     file(GLOB found CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
     list(APPEND sources ${found})
   endforeach()
-  # Of the shared library and of the front program alone.
-  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name)\\.cc$")
+  # Of the shared library, of the front program and of the page's module alone.
+  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name|page_module)\\.cc$")
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
