@@ -98,7 +98,4 @@ constexpr std::size_t kRecordingBlock = 1024;
 /// FormatError if it is foreign, truncated, damaged or of another version.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file);
 
-/// content_sha256 of a response database, as its file says. @throws as Hdf5Reader.
-[[nodiscard]] std::string database_sha256(const std::filesystem::path& database);
-
 }  // namespace palpate
