@@ -51,8 +51,8 @@ function(palpate_library name)
     file(GLOB found CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
     list(APPEND sources ${found})
   endforeach()
-  # Of the shared library and of the front program alone.
-  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name)\\.cc$")
+  # Of the shared library, of the front program and of the page's module alone.
+  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name|page_module)\\.cc$")
   list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_PLATFORMS}")
   list(FILTER sources EXCLUDE REGEX "_without_hdf5\\.cc$|/without_hdf5\\.cc$")
   add_library(palpate_${name} STATIC ${sources})
