@@ -43,6 +43,7 @@ function(palpate_library name)
   endforeach()
   # Of the shared library and of the front program alone.
   list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name)\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "_without_hdf5\\.cc$|/without_hdf5\\.cc$")
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})

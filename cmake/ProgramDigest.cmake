@@ -3,7 +3,8 @@
 # formats/ and precompute/, but for those that only show results or hand them out, and of the
 # rendered field, which stated errors are of.
 file(GLOB sources RELATIVE ${DIR}
-     ${DIR}/formats/base/*.* ${DIR}/formats/hdf5/*.* ${DIR}/formats/mesh/*.* ${DIR}/formats/response/*.*
+     ${DIR}/formats/base/*.* ${DIR}/formats/stored/*.* ${DIR}/formats/hdf5/*.*
+     ${DIR}/formats/flat/*.* ${DIR}/formats/forms/*.* ${DIR}/formats/mesh/*.* ${DIR}/formats/response/*.*
      ${DIR}/formats/database/*.* ${DIR}/formats/scene/*.* ${DIR}/precompute/*/*.*
      ${DIR}/runtime/account/*.* ${DIR}/runtime/element/*.* ${DIR}/runtime/memory/*.*
      ${DIR}/runtime/needle/*.* ${DIR}/runtime/fast/*.* ${DIR}/runtime/slow/*.*)

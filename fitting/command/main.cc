@@ -1,7 +1,7 @@
 // palpate-fit: one subcommand per file command_*.cc.
 #include "fitting/command/commands.h"
 #include "formats/base/command_line.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 
 int main(int argc, char** argv) {
   palpate::skip_hdf5_exit_cleanup();

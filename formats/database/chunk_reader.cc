@@ -17,7 +17,6 @@
 #include "formats/database/puncture_rules.h"
 #include "formats/database/viscoelasticity_reader.h"
 #include "formats/database/viscoelasticity_rules.h"
-#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
 namespace {
@@ -28,7 +27,7 @@ class RowsOfChunk {
  public:
   static constexpr bool kWrites = false;
 
-  RowsOfChunk(const Hdf5Reader& file, std::int64_t node_begin, std::int64_t nodes,
+  RowsOfChunk(const StoredReader& file, std::int64_t node_begin, std::int64_t nodes,
               std::int64_t sample_begin, std::int64_t samples)
       : file_(file),
         node_begin_(node_begin),
@@ -39,18 +38,19 @@ class RowsOfChunk {
   template <typename T>
   void dataset(const std::string& path, const char* units, std::vector<T>& values) {
     values.resize(static_cast<std::size_t>(nodes_));
-    file_.rows(path, units, hdf5_type<T>(), node_begin_, nodes_, 0, values.data());
+    file_.rows(path, units, stored_type<T>(), node_begin_, nodes_, 0, values.data());
   }
   template <typename T>
   void dataset(const std::string& path, const char* units, RowMajor3<T>& values) {
     values.resize(nodes_, 3);
-    file_.rows(path, units, hdf5_type<T>(), node_begin_, nodes_, 3, values.data());
+    file_.rows(path, units, stored_type<T>(), node_begin_, nodes_, 3, values.data());
   }
 
   // Counted from the chunk's first sample.
   void begins(const std::string& path, std::vector<std::int64_t>& values) {
     values.resize(static_cast<std::size_t>(nodes_) + 1);
-    file_.rows(path, "1", Hdf5Type::kInt64, node_begin_, nodes_ + 1, 0, values.data());
+    file_.rows(path, "1", StoredType::kInt64, node_begin_, nodes_ + 1, 0,
+               values.data());
     for (std::int64_t& value : values) {
       value -= sample_begin_;
     }
@@ -58,7 +58,7 @@ class RowsOfChunk {
   void samples(const std::string& path, const char* units,
                std::vector<double>& values) {
     values.resize(static_cast<std::size_t>(samples_));
-    file_.rows(path, units, Hdf5Type::kFloat64, sample_begin_, samples_, 0,
+    file_.rows(path, units, StoredType::kFloat64, sample_begin_, samples_, 0,
                values.data());
   }
   void reals(const std::string& path, const char* units, std::vector<double>& values,
@@ -74,7 +74,7 @@ class RowsOfChunk {
   void digest_only(const std::string&, const std::vector<double>&) const {}
 
  private:
-  const Hdf5Reader& file_;
+  const StoredReader& file_;
   std::int64_t node_begin_;
   std::int64_t nodes_;
   std::int64_t sample_begin_;
@@ -82,7 +82,7 @@ class RowsOfChunk {
 };
 
 // Begins rise from 0; where the last is known, to it.
-void check_begins(const Hdf5Reader& file, const std::string& path,
+void check_begins(const StoredReader& file, const std::string& path,
                   const std::vector<std::int64_t>& begin, std::size_t chunks,
                   std::int64_t last = -1) {
   if (begin.size() != chunks + 1 || begin.front() != 0 ||
@@ -93,9 +93,9 @@ void check_begins(const Hdf5Reader& file, const std::string& path,
 }
 
 // The begins end where the rows of a dataset do: memory is asked for by them.
-void check_end(const Hdf5Reader& file, const std::string& index,
+void check_end(const StoredReader& file, const std::string& index,
                const std::vector<std::int64_t>& begin, const std::string& path,
-               const char* units, const Hdf5Shape& wanted) {
+               const char* units, const StoredShape& wanted) {
   const std::int64_t rows =
       file.shape_of(path, units, file.type_of(path), wanted).front();
   if (begin.back() != rows) {
@@ -104,7 +104,7 @@ void check_end(const Hdf5Reader& file, const std::string& index,
   }
 }
 
-void expect_rows(const Hdf5Reader& file, const std::string& path, std::int64_t rows,
+void expect_rows(const StoredReader& file, const std::string& path, std::int64_t rows,
                  std::int64_t wanted) {
   if (rows != wanted) {
     file.fail(fmt::format("dataset {} has {} rows, must have {}", path, rows, wanted));
@@ -112,7 +112,7 @@ void expect_rows(const Hdf5Reader& file, const std::string& path, std::int64_t r
 }
 
 // Digests of a tool's optional parts, and bounds of their shares.
-void check_optional_index(const Hdf5Reader& file, const std::string& tool_group,
+void check_optional_index(const StoredReader& file, const std::string& tool_group,
                           const ToolIndex& tool, std::int64_t chunks) {
   const std::string group = tool_group + "/index";
   const std::int64_t digests = chunks * std::int64_t{kSha256Bytes};
@@ -133,7 +133,7 @@ void check_optional_index(const Hdf5Reader& file, const std::string& tool_group,
   }
 }
 
-void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
+void check_index(const StoredReader& file, const DatabaseIndex& index) {
   const std::size_t chunks = index.node_begin.empty() ? 0 : index.node_begin.size() - 1;
   check_begins(file, "/index/node_begin", index.node_begin, chunks);
   check_begins(file, "/index/triangle_begin", index.triangle_begin, chunks);
@@ -179,7 +179,7 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
   }
 }
 
-void read_compliance_head(Hdf5Reader& file, const DatabaseIndex& index,
+void read_compliance_head(StoredReader& file, const DatabaseIndex& index,
                           ToolIndex& tool) {
   const std::string group = content::compliance_group("/tools/" + tool.tool.name);
   if (!file.has(group)) {
@@ -189,18 +189,18 @@ void read_compliance_head(Hdf5Reader& file, const DatabaseIndex& index,
   check_compliance_head("/tools/" + tool.tool.name, tool.compliance);
   const auto knots = static_cast<std::int64_t>(tool.compliance.knots());
   static_cast<void>(
-      file.shape_of(group + "/value", content::kComplianceUnits, Hdf5Type::kFloat32,
+      file.shape_of(group + "/value", content::kComplianceUnits, StoredType::kFloat32,
                     {index.node_begin.empty() ? 0 : index.nodes(), knots}));
   tool.compliance.value.resize(0, knots);
   if (file.has(group + "/mode")) {
     tool.compliance.mode.resize(
-        0, file.shape_of(group + "/mode", content::kModeUnits, Hdf5Type::kFloat32,
+        0, file.shape_of(group + "/mode", content::kModeUnits, StoredType::kFloat32,
                          {index.node_begin.empty() ? 0 : index.nodes(), -1})
                .back());
   }
 }
 
-void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk,
+void verify(const StoredReader& file, const Sha256Rows& stored, std::int64_t chunk,
             const std::vector<std::uint8_t>& found, const std::string& what) {
   if (!std::equal(found.begin(), found.end(), stored.row(chunk).data())) {
     file.fail(fmt::format("{}: chunk {} is damaged: its SHA-256 is not the index's",
@@ -210,7 +210,7 @@ void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk
 
 // Rules name a dataset and a row; who reads them must know the file, too.
 template <typename Rules>
-void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
+void by_the_rules(const StoredReader& file, const Rules& check_rules) {
   try {
     check_rules();
   } catch (const FormatError& error) {
@@ -218,7 +218,7 @@ void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
   }
 }
 
-void read_puncture(Hdf5Reader& file, std::int64_t nodes, ToolIndex& tool) {
+void read_puncture(StoredReader& file, std::int64_t nodes, ToolIndex& tool) {
   const std::string group = "/tools/" + tool.tool.name;
   content::exchange_puncture(file, group, tool.puncture);
   by_the_rules(file, [&] {
@@ -232,9 +232,9 @@ void read_puncture(Hdf5Reader& file, std::int64_t nodes, ToolIndex& tool) {
   }
 }
 
-DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
+DatabaseIndex index_of(StoredReader& file) {
   DatabaseIndex index;
-  content::read_version(file, name.string());
+  content::read_version(file);
   file.attribute("/", "writer", index.provenance.writer);
   content::exchange_source(file, index.provenance);
   content::exchange_storage(file, index.storage);
@@ -262,9 +262,9 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   }
   if (file.has("/measurement")) {
     index.measured_samples =
-        file.shape_of("/measurement/depth_m", "m", Hdf5Type::kFloat64, {-1}).front();
+        file.shape_of("/measurement/depth_m", "m", StoredType::kFloat64, {-1}).front();
   }
-  index.bytes = std::filesystem::file_size(name);
+  index.bytes = file.file().bytes();
   return index;
 }
 
@@ -272,27 +272,24 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
 
 class ChunkReader::File {
  public:
-  explicit File(const std::filesystem::path& name) : reader(name) {}
-  Hdf5Reader reader;
+  explicit File(const StoredSource& source) : reader(open_stored(source)) {}
+  [[nodiscard]] RecursiveMutex& mutex() const { return reader.file().mutex(); }
+  StoredReader reader;
   std::optional<SourceNames> names;
 };
 
-ChunkReader::ChunkReader(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
-  file_ = std::make_unique<File>(file);
-  index_ = index_of(file_->reader, file);
+ChunkReader::ChunkReader(const StoredSource& file)
+    : file_(std::make_unique<File>(file)) {
+  index_ = index_of(file_->reader);
   file_->names.emplace(index_);
 }
 
-ChunkReader::~ChunkReader() {
-  const Hdf5Lock lock;
-  file_.reset();
-}
+ChunkReader::~ChunkReader() = default;
 
 BodyChunk ChunkReader::body(std::int64_t chunk) const {
-  const Hdf5Lock lock;
+  const RecursiveLock lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
-  const Hdf5Reader& file = file_->reader;
+  const StoredReader& file = file_->reader;
   const std::int64_t node = index_.node_begin.at(k);
   const std::int64_t triangle = index_.triangle_begin.at(k);
   RowsOfChunk nodes(file, node, index_.node_begin.at(k + 1) - node, 0, 0);
@@ -317,7 +314,7 @@ BodyChunk ChunkReader::body(std::int64_t chunk) const {
 }
 
 ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const {
-  const Hdf5Lock lock;
+  const RecursiveLock lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
   const ToolIndex& entry = index_.tools.at(tool);
   const std::int64_t node = index_.node_begin.at(k);
@@ -370,7 +367,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
 }
 
 ComplianceTable ChunkReader::compliance(std::size_t tool, std::int64_t chunk) const {
-  const Hdf5Lock lock;
+  const RecursiveLock lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
   const ToolIndex& entry = index_.tools.at(tool);
   ComplianceTable part;
@@ -390,10 +387,9 @@ ComplianceTable ChunkReader::compliance(std::size_t tool, std::int64_t chunk) co
   return part;
 }
 
-DatabaseIndex read_index(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
-  Hdf5Reader reader(file);
-  return index_of(reader, file);
+DatabaseIndex read_index(const StoredSource& file) {
+  StoredReader reader(open_stored(file));
+  return index_of(reader);
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 
 #include "formats/database/database_index.h"
@@ -12,12 +11,12 @@ namespace palpate {
 /// Opens a database, reads its index alone, and then chunks as they are asked for.
 /// Checksums of the index and of every chunk that is read are verified. A chunk's node
 /// indices and curves are those that check() accepts once its digest matches the
-/// writer's. Any thread may call it: calls exclude one another, and whole-file reads
-/// and writes of the process (Hdf5Lock), because the HDF5 library is not thread-safe.
+/// writer's. Any thread may call it. Calls exclude one another. Of an HDF5 file they
+/// exclude all use of HDF5 in the process, because that library is not thread-safe.
 class ChunkReader {
  public:
   /// @throws InputError, FormatError as read_database() does for what it reads.
-  explicit ChunkReader(const std::filesystem::path& file);
+  explicit ChunkReader(const StoredSource& file);
   ~ChunkReader();
   ChunkReader(const ChunkReader&) = delete;
   ChunkReader& operator=(const ChunkReader&) = delete;
@@ -43,6 +42,6 @@ class ChunkReader {
 };
 
 /// Reads and verifies the index of a database. @throws as ChunkReader does.
-[[nodiscard]] DatabaseIndex read_index(const std::filesystem::path& file);
+[[nodiscard]] DatabaseIndex read_index(const StoredSource& file);
 
 }  // namespace palpate

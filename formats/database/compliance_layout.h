@@ -7,8 +7,8 @@
 #include <string>
 
 #include "formats/database/shape_layout.h"
-#include "formats/hdf5/hdf5_reader.h"
 #include "formats/response/compliance_table.h"
+#include "formats/stored/stored_reader.h"
 
 namespace palpate::content {
 
@@ -51,7 +51,7 @@ void exchange_compliance(File& file, const std::string& tool, Table& table) {
   }
 }
 
-inline void read_compliance_rows(const Hdf5Reader& file, const std::string& group,
+inline void read_compliance_rows(const StoredReader& file, const std::string& group,
                                  std::int64_t begin, std::int64_t count,
                                  const ComplianceTable& head, ComplianceTable& part) {
   part = head;
@@ -59,7 +59,7 @@ inline void read_compliance_rows(const Hdf5Reader& file, const std::string& grou
     const std::int64_t columns = values.cols();
     if (columns > 0) {
       values.resize(count, columns);
-      file.rows(group + name, units, Hdf5Type::kFloat32, begin, count, columns,
+      file.rows(group + name, units, StoredType::kFloat32, begin, count, columns,
                 values.data());
     }
   };

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "formats/hdf5/hdf5_reader.h"
 #include "formats/response/contact_table.h"
+#include "formats/stored/stored_reader.h"
 
 namespace palpate::content {
 
@@ -35,14 +35,14 @@ void exchange_contact(File& file, const std::string& tool, Table& table) {
 }
 
 /// The rows [begin, begin + count) of nodes.
-inline void read_contact_rows(const Hdf5Reader& file, const std::string& tool,
+inline void read_contact_rows(const StoredReader& file, const std::string& tool,
                               std::int64_t begin, std::int64_t count,
                               ContactTable& part) {
   for_each_contact_dataset(part, [&](const std::string& name, const char* units,
                                      Eigen::Index columns, RowsOf<float>& rows) {
     if (file.has(tool + name)) {
       rows.resize(count, columns);
-      file.rows(tool + name, units, Hdf5Type::kFloat32, begin, count, columns,
+      file.rows(tool + name, units, StoredType::kFloat32, begin, count, columns,
                 rows.data());
     }
   });

@@ -8,44 +8,40 @@
 
 namespace palpate::content {
 
-void read_version(Hdf5Reader& file, const std::string& name) {
+void read_version(StoredReader& file) {
   std::string format;
   std::int64_t major = 0;
   std::int64_t minor = 0;
   if (!file.has_attribute("/", "format")) {
-    throw FormatError(fmt::format(
-        "{}: is an HDF5 file of another kind: attribute /@format is missing, must be "
-        "\"{}\"",
-        name, kFormatName));
+    file.fail(fmt::format(
+        "is {} of another kind: attribute /@format is missing, must be \"{}\"",
+        file.file().form(), kFormatName));
   }
   file.attribute("/", "format", format);
   if (format != kFormatName) {
-    throw FormatError(
-        fmt::format("{}: is an HDF5 file of another kind: /@format is {:?}, must be "
-                    "\"{}\"",
-                    name, format.substr(0, 80), kFormatName));
+    file.fail(fmt::format("is {} of another kind: /@format is {:?}, must be \"{}\"",
+                          file.file().form(), format.substr(0, 80), kFormatName));
   }
   file.attribute("/", "format_version", major);
   if (major != kDatabaseVersion) {
-    throw FormatError(fmt::format("{}: has format version {}, this program reads {}{}",
-                                  name, major, kDatabaseVersion,
-                                  major > kDatabaseVersion ? "; use a newer one" : ""));
+    file.fail(fmt::format("has format version {}, this program reads {}{}", major,
+                          kDatabaseVersion,
+                          major > kDatabaseVersion ? "; use a newer one" : ""));
   }
   file.attribute("/", "format_version_minor", minor);
   if (minor < 0) {
-    throw FormatError(fmt::format("{}: /@format_version_minor is {}, must be 0 or more",
-                                  name, minor));
+    file.fail(fmt::format("/@format_version_minor is {}, must be 0 or more", minor));
   }
 }
 
-std::vector<std::string> read_tool_names(Hdf5Reader& file) {
+std::vector<std::string> read_tool_names(StoredReader& file) {
   std::string names;
   file.group("/tools");
   file.attribute("/tools", "names", names);
   return split_lines(names);
 }
 
-void exchange_storage(Hdf5Reader& file, StorageOptions& storage) {
+void exchange_storage(StoredReader& file, StorageOptions& storage) {
   file.group("/storage");
   try {
     storage.precision = precision_of(file.remark("/storage", "precision"));

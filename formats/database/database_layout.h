@@ -1,7 +1,7 @@
 // What a database file holds and in which order, once for both directions; only for the
 // sources behind response_database.h.
 //
-// `File` is a Hdf5Writer and the rest constant, or a Hdf5Reader and the rest to be
+// `File` is a StoredWriter and the rest constant, or a StoredReader and the rest to be
 // filled. The order is the digest's order.
 #pragma once
 
@@ -18,8 +18,9 @@
 #include "formats/database/select_nodes.h"
 #include "formats/database/shape_layout.h"
 #include "formats/database/vtk_cells.h"
-#include "formats/hdf5/hdf5_reader.h"
-#include "formats/hdf5/storage_options.h"
+#include "formats/stored/storage_options.h"
+#include "formats/stored/stored_reader.h"
+#include "formats/stored/stored_writer.h"
 
 namespace palpate::content {
 
@@ -296,17 +297,17 @@ void exchange_source(File& file, Source& provenance) {
 }
 
 // How the file stores what it holds: no part of the content, nor of its digest.
-inline void exchange_storage(Hdf5Writer& file, const StorageOptions& storage) {
+inline void exchange_storage(StoredWriter& file, const StorageOptions& storage) {
   file.group("/storage");
   file.remark("/storage", "precision", name_of(storage.precision));
   file.remark("/storage", "compression", storage.compress ? "deflate" : "none");
   file.remark("/storage", "chunk_nodes", storage.chunk_nodes);
 }
-void exchange_storage(Hdf5Reader& file, StorageOptions& storage);
+void exchange_storage(StoredReader& file, StorageOptions& storage);
 
 /// @throws FormatError if the file is of another kind or major version.
-void read_version(Hdf5Reader& file, const std::string& name);
-[[nodiscard]] std::vector<std::string> read_tool_names(Hdf5Reader& file);
+void read_version(StoredReader& file);
+[[nodiscard]] std::vector<std::string> read_tool_names(StoredReader& file);
 
 template <typename File, typename Database, typename Order>
 void exchange_rest(File& file, Database& database, Order& order) {
@@ -325,9 +326,13 @@ void exchange_rest(File& file, Database& database, Order& order) {
 }
 
 // The body as VTK's readers know it, outside the digest: all of it follows from the
-// rest. What VTK can use as it is stored is a link and takes no room.
+// rest. What VTK can use as it is stored is a link and takes no room. Of a form that
+// VTK does not read there is nothing.
 template <typename File>
 void exchange_vtk(File& file, const ResponseDatabase& database) {
+  if (!file.shows_vtk()) {
+    return;
+  }
   const std::string group = "/VTKHDF";
   const VtkCells cells = vtk_cells(database.body);
   file.group(group);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -62,6 +63,7 @@ class SourceNames {
 /// write_database() without the rules: a file whose digests are right and whose content
 /// is not, for tests of who must refuse it. Sizes must agree.
 void write_unchecked(const std::filesystem::path& file,
-                     const ResponseDatabase& database);
+                     const ResponseDatabase& database,
+                     std::optional<StoredForm> form = std::nullopt);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "formats/database/database_index.h"
-#include "formats/hdf5/hdf5_reader.h"
+#include "formats/stored/stored_reader.h"
 
 namespace palpate::content {
 
@@ -72,7 +72,7 @@ struct DerivedIndex {
 
 /// Reads an index.
 struct ReadIndex {
-  Hdf5Reader& file;
+  StoredReader& file;
   void group(const std::string& path) { file.group(path); }
   template <typename Values>
   void values(const std::string& path, const char* units, Values& values) {

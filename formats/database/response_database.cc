@@ -10,7 +10,6 @@
 #include "formats/database/index_layout.h"
 #include "formats/database/rounded_database.h"
 #include "formats/database/select_nodes.h"
-#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
 namespace {
@@ -27,24 +26,23 @@ std::string join_names(const std::vector<ResponseTable>& tools) {
 
 }  // namespace
 
-void write_database(const std::filesystem::path& file,
-                    const ResponseDatabase& database) {
+void write_database(const std::filesystem::path& file, const ResponseDatabase& database,
+                    std::optional<StoredForm> form) {
   check(database);
   const ResponseDatabase precise = rounded(database);
   check(precise);
-  write_unchecked(file, precise);
+  write_unchecked(file, precise, form);
 }
 
 void write_unchecked(const std::filesystem::path& file,
-                     const ResponseDatabase& database) {
+                     const ResponseDatabase& database, std::optional<StoredForm> form) {
   // Neighbours on the surface lie near one another in the file, so that a chunk is a
   // patch.
   const StorageOrder order = storage_order(database.body);
   const ResponseDatabase ordered = select_nodes(database, order.node, order.triangle);
   const DatabaseIndex index = make_index(ordered, order);
-  const Hdf5Lock lock;
   AtomicFile atomic(file);
-  Hdf5Writer out(database.storage);
+  StoredWriter out = make_writer(form.value_or(form_of(file)), database.storage);
   out.attribute("/", "format", std::string(content::kFormatName));
   out.attribute("/", "format_version", std::int64_t{kDatabaseVersion});
   out.attribute("/", "format_version_minor", std::int64_t{kDatabaseVersionMinor});
@@ -59,7 +57,7 @@ void write_unchecked(const std::filesystem::path& file,
   const std::string digest = out.digest();
   content::exchange_vtk(out, ordered);
   content::exchange_storage(out, database.storage);
-  content::DerivedIndex<Hdf5Writer> derived{out};
+  content::DerivedIndex<StoredWriter> derived{out};
   content::exchange_index(derived, index);
   out.remark("/index", "index_sha256", index_digest(index));
   out.remark("/", kDigestName, digest);
@@ -70,11 +68,11 @@ void write_unchecked(const std::filesystem::path& file,
 namespace {
 
 // What the file says of itself agrees with its content.
-void check_derived(Hdf5Reader& in, const ResponseDatabase& ordered,
+void check_derived(StoredReader& in, const ResponseDatabase& ordered,
                    const StorageOrder& order) {
   content::exchange_vtk(in, ordered);
   const DatabaseIndex index = make_index(ordered, order);
-  content::DerivedIndex<Hdf5Reader> derived{in};
+  content::DerivedIndex<StoredReader> derived{in};
   content::exchange_index(derived, index);
   if (in.remark("/index", "index_sha256") != index_digest(index)) {
     in.fail("attribute /index@index_sha256 is not the digest of the index");
@@ -82,7 +80,7 @@ void check_derived(Hdf5Reader& in, const ResponseDatabase& ordered,
 }
 
 // Rows of the file are the source's nodes and triangles, each once.
-void check_order(const Hdf5Reader& in, const char* path,
+void check_order(const StoredReader& in, const char* path,
                  const std::vector<std::int32_t>& order, std::int64_t rows) {
   std::vector<bool> seen(static_cast<std::size_t>(rows));
   for (const std::int32_t at : order) {
@@ -98,9 +96,8 @@ void check_order(const Hdf5Reader& in, const char* path,
   }
 }
 
-ResponseDatabase read_ordered(Hdf5Reader& in, const std::string& name,
-                              StorageOrder& order) {
-  content::read_version(in, name);
+ResponseDatabase read_ordered(StoredReader& in, StorageOrder& order) {
+  content::read_version(in);
   ResponseDatabase database;
   in.attribute("/", "writer", database.provenance.writer);
   content::exchange_rest(in, database, order);
@@ -114,16 +111,15 @@ ResponseDatabase read_ordered(Hdf5Reader& in, const std::string& name,
 }
 
 // The whole file, verified, in its own order. @param order filled.
-ResponseDatabase read_verified(const std::filesystem::path& file, StorageOrder& order) {
-  const Hdf5Lock lock;
-  Hdf5Reader in(file);
+ResponseDatabase read_verified(const StoredSource& file, StorageOrder& order) {
+  StoredReader in(open_stored(file));
   ResponseDatabase ordered;
   // What breaks a rule says more than a digest that differs, so the rules come first.
   try {
-    ordered = read_ordered(in, file.string(), order);
+    ordered = read_ordered(in, order);
     check(ordered);
   } catch (const FormatError& error) {
-    const std::string prefix = file.string() + ": ";
+    const std::string prefix = in.file().name() + ": ";
     const std::string what = error.what();
     throw FormatError(what.rfind(prefix, 0) == 0 ? what : prefix + what);
   }
@@ -143,12 +139,12 @@ ResponseDatabase read_verified(const std::filesystem::path& file, StorageOrder& 
 
 }  // namespace
 
-ResponseDatabase read_in_file_order(const std::filesystem::path& file) {
+ResponseDatabase read_in_file_order(const StoredSource& file) {
   StorageOrder order;
   return read_verified(file, order);
 }
 
-ResponseDatabase read_database(const std::filesystem::path& file) {
+ResponseDatabase read_database(const StoredSource& file) {
   StorageOrder order;
   const ResponseDatabase ordered = read_verified(file, order);
   return select_nodes(ordered, places_of(order.node, order.node.size()),

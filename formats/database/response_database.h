@@ -1,16 +1,17 @@
-// The response database in memory and as an HDF5 file; FORMAT.md describes every
-// dataset.
+// The response database in memory and as a file; FORMAT.md describes every dataset.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "formats/hdf5/storage_options.h"
+#include "formats/forms/open_stored.h"
 #include "formats/mesh/surface_mesh.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/response_table.h"
+#include "formats/stored/storage_options.h"
 
 namespace palpate {
 
@@ -61,16 +62,17 @@ void check(const ResponseDatabase& database);
 /// order of the source. Depths and forces are rounded to storage.precision
 /// (rounded_database.h). @throws FormatError as check() does, before anything is
 /// written; InputError if the place cannot be written.
-void write_database(const std::filesystem::path& file,
-                    const ResponseDatabase& database);
+/// @param form none: what the file's name asks for
+void write_database(const std::filesystem::path& file, const ResponseDatabase& database,
+                    std::optional<StoredForm> form = std::nullopt);
 
-/// Reads and checks. @throws InputError for a missing file, FormatError for one that is
-/// foreign, truncated, damaged or of a newer major version.
-[[nodiscard]] ResponseDatabase read_database(const std::filesystem::path& file);
+/// Reads a file of either form, and checks. @throws InputError for a missing file,
+/// FormatError for one that is foreign, truncated, damaged or of a newer major version.
+[[nodiscard]] ResponseDatabase read_database(const StoredSource& file);
 
 /// As read_database(), with nodes and triangles in the file's order instead of the
 /// source's: without a copy, in half the memory.
-[[nodiscard]] ResponseDatabase read_in_file_order(const std::filesystem::path& file);
+[[nodiscard]] ResponseDatabase read_in_file_order(const StoredSource& file);
 
 /// The table of the named tool, or the only one for an empty name.
 /// @throws InputError naming the tools that there are.

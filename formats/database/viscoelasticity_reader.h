@@ -9,16 +9,16 @@
 
 namespace palpate {
 
-class Hdf5Reader;
+class StoredReader;
 
 /// Into tool.viscoelasticity and tool.memory_sites: nothing where the tool is static.
 /// @param group of the tool. @param nodes of the body.
 /// @throws FormatError naming the dataset and what it must be.
-void read_viscoelasticity_head(Hdf5Reader& file, const std::string& group,
+void read_viscoelasticity_head(StoredReader& file, const std::string& group,
                                std::int64_t nodes, ToolIndex& tool);
 
 /// Shares and sites of the nodes [begin, begin + count) beside what the head has.
-void read_node_rows(const Hdf5Reader& file, const std::string& group,
+void read_node_rows(const StoredReader& file, const std::string& group,
                     const ToolIndex& tool, std::int64_t begin, std::int64_t count,
                     Viscoelasticity& relaxation);
 

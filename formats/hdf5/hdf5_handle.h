@@ -1,15 +1,18 @@
-// Ownership of HDF5 identifiers; only for the sources behind hdf5_io.h.
+// Ownership of HDF5 identifiers. Beside this sub-room only the readers of recordings
+// and of afmformats files call HDF5's C interface.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <hdf5.h>
 
-#include "formats/hdf5/hdf5_reader.h"
+#include "formats/stored/stored_type.h"
 
 namespace palpate::hdf5 {
 
@@ -44,6 +47,9 @@ class Handle {
 [[nodiscard]] hid_t open_read_only(const std::filesystem::path& file,
                                    unsigned flags = 0);
 
+/// The same of bytes in memory, which HDF5 copies.
+[[nodiscard]] hid_t open_in_memory(std::span<const std::byte> bytes);
+
 /// What a path leads to, over hard links alone: soft and external ones are not
 /// followed, because they lead to files that nobody named.
 enum class Link { kNone, kHard, kOther };
@@ -54,14 +60,7 @@ enum class Link { kNone, kHard, kOther };
 [[nodiscard]] bool holds_its_bytes(hid_t dataset);
 
 /// The file's type of an element; memory's is the same, on a little-endian machine.
-[[nodiscard]] hid_t file_type(Hdf5Type type);
-[[nodiscard]] const char* name_of(Hdf5Type type);
-[[nodiscard]] std::size_t bytes_of(Hdf5Type type);
-
-/// The group VTKHDF as VTK 9.1 reads it.
-constexpr std::array<std::int64_t, 2> kVtkVersion{1, 0};
-constexpr hsize_t kVtkVersionSize = 2;
-constexpr const char* kVtkType = "UnstructuredGrid";
+[[nodiscard]] hid_t file_type(StoredType type);
 
 /// A fixed-length, null-padded UTF-8 string of at least one byte.
 [[nodiscard]] Handle string_type(std::size_t bytes);
@@ -69,25 +68,9 @@ constexpr const char* kVtkType = "UnstructuredGrid";
 /// HDF5's own word on its latest failure, in one line.
 [[nodiscard]] std::string last_failure();
 
-/// Head of a digest item (FORMAT.md, "Digest").
-[[nodiscard]] std::string digest_head(const std::string& path, const char* type,
-                                      std::int64_t rows, std::int64_t columns);
-
-/// Values per row, 0 for one dimension: the columns that the digest names.
-[[nodiscard]] std::int64_t columns_of(const Hdf5Shape& shape);
-[[nodiscard]] std::size_t values_in(const Hdf5Shape& shape);
+/// The group VTKHDF as VTK 9.1 reads it.
+constexpr std::array<std::int64_t, 2> kVtkVersion{1, 0};
+constexpr hsize_t kVtkVersionSize = 2;
+constexpr const char* kVtkType = "UnstructuredGrid";
 
 }  // namespace palpate::hdf5
-
-namespace palpate {
-
-// A dataset that rows() has checked.
-struct Hdf5Reader::Kept {
-  hdf5::Handle dataset;
-  Hdf5Type type;
-  std::string units;
-  std::int64_t columns;
-  std::int64_t rows;
-};
-
-}  // namespace palpate

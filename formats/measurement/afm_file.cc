@@ -10,7 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_handle.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "formats/measurement/column_name.h"
 
 namespace palpate {

@@ -11,7 +11,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/lines.h"
-#include "formats/hdf5/hdf5_reader.h"
+#include "formats/forms/open_stored.h"
 
 namespace palpate {
 namespace {
@@ -35,7 +35,7 @@ struct ContactRows {
   [[nodiscard]] Eigen::Index hands() const { return std::ssize(tools); }
 };
 
-void read_rows(Hdf5Reader& file, ContactRows& r) {
+void read_rows(StoredReader& file, ContactRows& r) {
   file.attribute("/", "writer", r.writer);
   file.attribute("/", "database", r.database);
   file.attribute("/", "database_sha256", r.database_sha256);
@@ -57,7 +57,7 @@ void read_rows(Hdf5Reader& file, ContactRows& r) {
   file.dataset("/tick/dissipated_j", "J", r.dissipated_j);
 }
 
-void check_head(const Hdf5Reader& file, const ContactRows& r) {
+void check_head(const StoredReader& file, const ContactRows& r) {
   if (r.tools.empty() || r.tools.size() > kMostHands) {
     file.fail(fmt::format("attribute /@tools names {} tools, must be 1 or 2",
                           r.tools.size()));
@@ -72,7 +72,7 @@ void check_head(const Hdf5Reader& file, const ContactRows& r) {
   }
 }
 
-void check_tick_rows(const Hdf5Reader& file, const ContactRows& r) {
+void check_tick_rows(const StoredReader& file, const ContactRows& r) {
   const auto rows = static_cast<Eigen::Index>(r.time_s.size());
   const auto expect = [&](const char* name, Eigen::Index has, Eigen::Index columns,
                           Eigen::Index wanted) {
@@ -181,9 +181,8 @@ Recording as_recording(const ContactRows& r) {
 }  // namespace
 
 bool is_contact_recording(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
   try {
-    const Hdf5Reader in(file);
+    const StoredReader in(open_stored(file));
     return in.has_attribute("/", "format") &&
            in.remark("/", "format") == kContactFormat;
   } catch (const Error&) {
@@ -192,8 +191,7 @@ bool is_contact_recording(const std::filesystem::path& file) {
 }
 
 Recording read_contact_recording(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
-  Hdf5Reader in(file);
+  StoredReader in(open_stored(file));
   std::string format;
   if (in.has_attribute("/", "format")) {
     in.attribute("/", "format", format);

@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "formats/recording/contact_recording.h"
 #include "formats/recording/recording_layout.h"
 
@@ -260,7 +261,7 @@ std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const
         table.resize(begin);
         return table;
       }
-      const std::size_t bytes = columns[i].width * hdf5::bytes_of(columns[i].type);
+      const std::size_t bytes = columns[i].width * bytes_of(columns[i].type);
       for (std::size_t row = 0; row < block; ++row) {
         auto* to = reinterpret_cast<std::byte*>(&table[begin + row]);
         std::memcpy(to + columns[i].offset, &packed[row * bytes], bytes);
@@ -356,12 +357,6 @@ Recording read_recording(const fs::path& file) {
   }
   check(recording, reader);
   return recording;
-}
-
-std::string database_sha256(const fs::path& database) {
-  const Hdf5Lock lock;
-  const Hdf5Reader reader(database);
-  return reader.remark("/", kDigestName);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/recording/recording.h"
+#include "formats/stored/stored_type.h"
 
 namespace palpate::recording {
 
@@ -14,7 +15,7 @@ namespace palpate::recording {
 struct Column {
   const char* path;
   const char* units;
-  Hdf5Type type;
+  StoredType type;
   std::size_t offset;  ///< [bytes] of the member in the row
   std::size_t width;
   const char* former = nullptr;  ///< path in versions 1 to 3, where it was another
@@ -33,81 +34,87 @@ struct NumberField {
 inline constexpr const char* kFormat = "palpate-recording";
 
 inline constexpr std::array kTickColumns{
-    Column{"/tick/number", "1", Hdf5Type::kInt64, offsetof(TickRecord, tick), 1},
-    Column{"/tick/time_ns", "ns", Hdf5Type::kInt64, offsetof(TickRecord, time_ns), 1},
-    Column{"/tick/arrivals", "1", Hdf5Type::kInt64, offsetof(TickRecord, arrivals), 1},
-    Column{"/tick/position_m", "m", Hdf5Type::kFloat64,
-           offsetof(TickRecord, position_m), 3},
-    Column{"/tick/force_n", "N", Hdf5Type::kFloat64, offsetof(TickRecord, force_n), 3},
-    Column{"/tick/depth_m", "m", Hdf5Type::kFloat64, offsetof(TickRecord, depth_m), 1},
-    Column{"/tick/work_j", "J", Hdf5Type::kFloat64, offsetof(TickRecord, work_j), 1},
-    Column{"/tick/stored_j", "J", Hdf5Type::kFloat64, offsetof(TickRecord, stored_j),
+    Column{"/tick/number", "1", StoredType::kInt64, offsetof(TickRecord, tick), 1},
+    Column{"/tick/time_ns", "ns", StoredType::kInt64, offsetof(TickRecord, time_ns), 1},
+    Column{"/tick/arrivals", "1", StoredType::kInt64, offsetof(TickRecord, arrivals),
            1},
-    Column{"/tick/tank_j", "J", Hdf5Type::kFloat64, offsetof(TickRecord, tank_j), 1},
-    Column{"/tick/dissipated_j", "J", Hdf5Type::kFloat64,
+    Column{"/tick/position_m", "m", StoredType::kFloat64,
+           offsetof(TickRecord, position_m), 3},
+    Column{"/tick/force_n", "N", StoredType::kFloat64, offsetof(TickRecord, force_n),
+           3},
+    Column{"/tick/depth_m", "m", StoredType::kFloat64, offsetof(TickRecord, depth_m),
+           1},
+    Column{"/tick/work_j", "J", StoredType::kFloat64, offsetof(TickRecord, work_j), 1},
+    Column{"/tick/stored_j", "J", StoredType::kFloat64, offsetof(TickRecord, stored_j),
+           1},
+    Column{"/tick/tank_j", "J", StoredType::kFloat64, offsetof(TickRecord, tank_j), 1},
+    Column{"/tick/dissipated_j", "J", StoredType::kFloat64,
            offsetof(TickRecord, dissipated_j), 1},
-    Column{"/tick/relaxed_shift_m", "m", Hdf5Type::kFloat64,
+    Column{"/tick/relaxed_shift_m", "m", StoredType::kFloat64,
            offsetof(TickRecord, rest_offset_m), 1, "/tick/relaxed_shift_m"},
-    Column{"/tick/triangle", "1", Hdf5Type::kInt32, offsetof(TickRecord, triangle), 1},
-    Column{"/tick/flags", "1", Hdf5Type::kUint8, offsetof(TickRecord, flags), 1},
-    Column{"/tick/raised", "1", Hdf5Type::kUint8, offsetof(TickRecord, raised), 1},
-    Column{"/tick/fault", "1", Hdf5Type::kUint8, offsetof(TickRecord, fault), 1}};
+    Column{"/tick/triangle", "1", StoredType::kInt32, offsetof(TickRecord, triangle),
+           1},
+    Column{"/tick/flags", "1", StoredType::kUint8, offsetof(TickRecord, flags), 1},
+    Column{"/tick/raised", "1", StoredType::kUint8, offsetof(TickRecord, raised), 1},
+    Column{"/tick/fault", "1", StoredType::kUint8, offsetof(TickRecord, fault), 1}};
 
 /// There only where the header says that ticks have poses.
 inline constexpr std::array kPoseColumns{
-    Column{"/tick/turn", "1", Hdf5Type::kFloat64, offsetof(TickRecord, turn), 4},
-    Column{"/tick/torque_n_m", "N.m", Hdf5Type::kFloat64,
+    Column{"/tick/turn", "1", StoredType::kFloat64, offsetof(TickRecord, turn), 4},
+    Column{"/tick/torque_n_m", "N.m", StoredType::kFloat64,
            offsetof(TickRecord, torque_n_m), 3},
-    Column{"/tick/contacts", "1", Hdf5Type::kInt32, offsetof(TickRecord, contacts), 1}};
+    Column{"/tick/contacts", "1", StoredType::kInt32, offsetof(TickRecord, contacts),
+           1}};
 
 /// There only where there is a second hand.
 inline constexpr std::array kSecondColumns{
-    Column{"/tick/second_position_m", "m", Hdf5Type::kFloat64,
+    Column{"/tick/second_position_m", "m", StoredType::kFloat64,
            offsetof(TickRecord, second) + offsetof(RecordedHand, position_m), 3},
-    Column{"/tick/second_turn", "1", Hdf5Type::kFloat64,
+    Column{"/tick/second_turn", "1", StoredType::kFloat64,
            offsetof(TickRecord, second) + offsetof(RecordedHand, turn), 4},
-    Column{"/tick/second_force_n", "N", Hdf5Type::kFloat64,
+    Column{"/tick/second_force_n", "N", StoredType::kFloat64,
            offsetof(TickRecord, second) + offsetof(RecordedHand, force_n), 3},
-    Column{"/tick/second_torque_n_m", "N.m", Hdf5Type::kFloat64,
+    Column{"/tick/second_torque_n_m", "N.m", StoredType::kFloat64,
            offsetof(TickRecord, second) + offsetof(RecordedHand, torque_n_m), 3}};
 
 inline constexpr std::array kArrivalColumns{
-    Column{"/arrival/tick", "1", Hdf5Type::kInt64, offsetof(ArrivalRecord, tick), 1},
-    Column{"/arrival/sequence", "1", Hdf5Type::kInt64,
+    Column{"/arrival/tick", "1", StoredType::kInt64, offsetof(ArrivalRecord, tick), 1},
+    Column{"/arrival/sequence", "1", StoredType::kInt64,
            offsetof(ArrivalRecord, sequence), 1},
-    Column{"/arrival/sent_ns", "ns", Hdf5Type::kInt64, offsetof(ArrivalRecord, sent_ns),
-           1},
-    Column{"/arrival/triangle", "1", Hdf5Type::kInt32,
+    Column{"/arrival/sent_ns", "ns", StoredType::kInt64,
+           offsetof(ArrivalRecord, sent_ns), 1},
+    Column{"/arrival/triangle", "1", StoredType::kInt32,
            offsetof(ArrivalRecord, triangle), 1},
-    Column{"/arrival/active", "1", Hdf5Type::kUint8, offsetof(ArrivalRecord, active),
+    Column{"/arrival/active", "1", StoredType::kUint8, offsetof(ArrivalRecord, active),
            1}};
 
 inline constexpr std::array kContactColumns{Column{
-    "/arrival/contact", "1", Hdf5Type::kInt32, offsetof(ArrivalRecord, contact), 1}};
+    "/arrival/contact", "1", StoredType::kInt32, offsetof(ArrivalRecord, contact), 1}};
 
 /// There only where something had yielded.
 inline constexpr std::array kSurfaceColumns{
-    Column{"/surface/site", "1", Hdf5Type::kInt32, offsetof(YieldedRow, site), 1},
-    Column{"/surface/dent_m", "m", Hdf5Type::kFloat64, offsetof(YieldedRow, dent_m), 1},
-    Column{"/surface/softened_m", "m", Hdf5Type::kFloat64,
+    Column{"/surface/site", "1", StoredType::kInt32, offsetof(YieldedRow, site), 1},
+    Column{"/surface/dent_m", "m", StoredType::kFloat64, offsetof(YieldedRow, dent_m),
+           1},
+    Column{"/surface/softened_m", "m", StoredType::kFloat64,
            offsetof(YieldedRow, softened_m), 1}};
 
 inline constexpr std::array kSurfaceTableColumns{
-    Column{"/surface/table", "1", Hdf5Type::kInt32, offsetof(YieldedRow, table), 1}};
+    Column{"/surface/table", "1", StoredType::kInt32, offsetof(YieldedRow, table), 1}};
 
 /// There only where needles had cut, from version 5 on.
 inline constexpr std::array kChannelColumns{
-    Column{"/channel/entry_m", "m", Hdf5Type::kFloat64, offsetof(ChannelRow, entry_m),
+    Column{"/channel/entry_m", "m", StoredType::kFloat64, offsetof(ChannelRow, entry_m),
            3},
-    Column{"/channel/axis", "1", Hdf5Type::kFloat64, offsetof(ChannelRow, axis), 3},
-    Column{"/channel/depth_m", "m", Hdf5Type::kFloat64, offsetof(ChannelRow, depth_m),
+    Column{"/channel/axis", "1", StoredType::kFloat64, offsetof(ChannelRow, axis), 3},
+    Column{"/channel/depth_m", "m", StoredType::kFloat64, offsetof(ChannelRow, depth_m),
            1},
-    Column{"/channel/layer", "1", Hdf5Type::kInt32, offsetof(ChannelRow, layer), 1},
-    Column{"/channel/layer_depth_m", "m", Hdf5Type::kFloat64,
+    Column{"/channel/layer", "1", StoredType::kInt32, offsetof(ChannelRow, layer), 1},
+    Column{"/channel/layer_depth_m", "m", StoredType::kFloat64,
            offsetof(ChannelRow, layer_depth_m), kKeptLayers},
-    Column{"/channel/layer_material", "1", Hdf5Type::kInt32,
+    Column{"/channel/layer_material", "1", StoredType::kInt32,
            offsetof(ChannelRow, layer_material), kKeptLayers},
-    Column{"/channel/table", "1", Hdf5Type::kInt32, offsetof(ChannelRow, table), 1}};
+    Column{"/channel/table", "1", StoredType::kInt32, offsetof(ChannelRow, table), 1}};
 
 inline constexpr std::array kTexts{
     TextField{"writer", &RecordingHeader::writer},

@@ -11,6 +11,7 @@
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_handle.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "formats/recording/recording_layout.h"
 
 namespace palpate {
@@ -154,7 +155,7 @@ class RecordingTable {
   static constexpr auto kBlock = static_cast<std::int64_t>(kRecordingBlock);
 
   void write_column(const Column& column, hid_t dataset) {
-    const std::size_t bytes = column.width * hdf5::bytes_of(column.type);
+    const std::size_t bytes = column.width * bytes_of(column.type);
     packed_.resize(bytes * waiting_.size());
     for (std::size_t row = 0; row < waiting_.size(); ++row) {
       const auto* from = reinterpret_cast<const std::byte*>(&waiting_[row]);

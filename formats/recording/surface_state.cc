@@ -8,7 +8,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/lines.h"
-#include "formats/hdf5/hdf5_reader.h"
+#include "formats/forms/open_stored.h"
 
 namespace palpate {
 namespace {
@@ -63,7 +63,7 @@ void exchange_head(File& file, State& state) {
   file.attribute("/", "database_sha256", state.database_sha256);
 }
 
-std::vector<YieldedRow> rows_of_tool(const Hdf5Reader& file, const std::string& tool,
+std::vector<YieldedRow> rows_of_tool(const StoredReader& file, const std::string& tool,
                                      const Columns& columns) {
   const std::size_t count = columns.site.size();
   if (columns.dent_m.size() != count || columns.softened_m.size() != count) {
@@ -120,7 +120,7 @@ ChannelColumns columns_of(const std::vector<ChannelRow>& rows) {
   return columns;
 }
 
-std::vector<ChannelRow> channels_of(const Hdf5Reader& file, const std::string& tool,
+std::vector<ChannelRow> channels_of(const StoredReader& file, const std::string& tool,
                                     const ChannelColumns& columns) {
   const auto count = static_cast<Eigen::Index>(columns.depth_m.size());
   const auto is = [&](const auto& rows, Eigen::Index width) {
@@ -166,9 +166,8 @@ void put_channel(const ChannelRow& row, std::vector<ChannelRow>& channels) {
 }  // namespace
 
 void write_surface_state(const std::filesystem::path& file, const SurfaceState& state) {
-  const Hdf5Lock lock;
   AtomicFile atomic(file);
-  Hdf5Writer out;
+  StoredWriter out = make_writer(form_of(file));
   out.attribute("/", "format", std::string(kSurfaceFormat));
   const bool channels =
       std::any_of(state.tool.begin(), state.tool.end(), [](const auto& tool) {
@@ -197,8 +196,7 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
 }
 
 SurfaceState read_surface_state(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
-  Hdf5Reader in(file);
+  StoredReader in(open_stored(file));
   if (!in.has_attribute("/", "format")) {
     in.fail("is not the state of a surface");
   }

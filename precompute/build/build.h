@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "formats/database/work_unit.h"
-#include "formats/hdf5/storage_options.h"
 #include "formats/scene/scene.h"
+#include "formats/stored/storage_options.h"
 #include "precompute/body/scene_body.h"
 #include "precompute/build/folder_lock.h"
 #include "precompute/press/scene_solver.h"

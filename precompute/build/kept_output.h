@@ -8,7 +8,7 @@
 #include <string>
 
 #include "formats/database/work_unit.h"
-#include "formats/hdf5/storage_options.h"
+#include "formats/stored/storage_options.h"
 
 namespace palpate {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "formats/hdf5/storage_options.h"
 #include "formats/scene/scene.h"
+#include "formats/stored/storage_options.h"
 #include "precompute/process/progress.h"
 #include "precompute/surface/repair.h"
 

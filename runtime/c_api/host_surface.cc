@@ -3,6 +3,7 @@
 #include <string>
 
 #include "formats/base/error.h"
+#include "formats/forms/open_stored.h"
 #include "formats/recording/recording.h"
 
 namespace palpate {

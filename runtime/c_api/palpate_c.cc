@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "runtime/c_api/given_options.h"
 #include "runtime/c_api/guarded.h"
 #include "runtime/c_api/host_handles.h"

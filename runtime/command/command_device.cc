@@ -12,6 +12,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
+#include "formats/forms/open_stored.h"
 #include "formats/recording/recording.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/command/commands.h"

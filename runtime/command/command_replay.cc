@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
+#include "formats/forms/open_stored.h"
 #include "runtime/command/commands.h"
 #include "runtime/run/replay.h"
 

@@ -1,6 +1,6 @@
 // palpate-run: one subcommand per file command_*.cc.
 #include "formats/base/command_line.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "runtime/command/commands.h"
 
 int main(int argc, char** argv) {

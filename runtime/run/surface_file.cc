@@ -4,6 +4,7 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/forms/open_stored.h"
 #include "formats/recording/recording.h"
 #include "runtime/slow/contact_elements.h"
 

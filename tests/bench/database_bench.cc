@@ -7,7 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include "formats/database/chunk_reader.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 

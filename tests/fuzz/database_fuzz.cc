@@ -3,7 +3,7 @@
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/fuzz/input_file.h"
 
 namespace {

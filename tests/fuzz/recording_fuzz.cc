@@ -1,7 +1,7 @@
 // Any bytes as a recording, of one contact or of several: read, or refused with an
 // Error.
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "formats/recording/recording.h"
 #include "tests/fuzz/input_file.h"
 

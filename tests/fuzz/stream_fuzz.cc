@@ -2,7 +2,7 @@
 // are a list of changes to a small database, which is written with digests that are
 // right: both readers must agree on it.
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/fuzz/input_file.h"
 #include "tests/support/database_changes.h"
 #include "tests/support/small_database.h"

@@ -3,7 +3,7 @@
 // database_fuzz and recording_fuzz.
 #include <array>
 
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "formats/recording/recording_writer.h"
 #include "tests/support/old_contact_recording.h"
 #include "tests/support/punctured_sphere.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/command_line.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/peers/field_places.h"
 
 namespace palpate::peers {

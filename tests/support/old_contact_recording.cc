@@ -7,9 +7,8 @@ namespace palpate {
 
 void write_old_contact_recording(const std::filesystem::path& file,
                                  const OldContactRecording& r) {
-  const Hdf5Lock lock;
   AtomicFile atomic(file);
-  Hdf5Writer out;
+  StoredWriter out = make_writer(form_of(file));
   out.attribute("/", "format", std::string("palpate-contact-recording"));
   out.attribute("/", "format_version", std::int64_t{2});
   out.attribute("/", "tools", join_lines(r.tools));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/forms/open_stored.h"
 
 namespace palpate {
 

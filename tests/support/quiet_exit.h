@@ -2,7 +2,7 @@
 // files.
 #pragma once
 
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/command_line.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "runtime/command/command_bench_allocations.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_reader.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
@@ -107,7 +106,7 @@ TEST(DatabaseStorage, TheDigestDoesNotDependOnChunksOrCompression) {
     ResponseDatabase database = sphere_database(8, 9);
     database.storage = storage;
     write_database(folder / "a.h5", database);
-    return Hdf5Reader(folder / "a.h5").remark("/", "content_sha256");
+    return database_sha256(folder / "a.h5");
   };
   const std::string digest = digest_with({});
   EXPECT_EQ(digest_with({Precision::kFloat64, true, 256}), digest);

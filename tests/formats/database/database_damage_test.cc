@@ -11,7 +11,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
@@ -246,7 +246,7 @@ TEST_F(DatabaseDamage, AnythingButAnHdf5FileIsForeign) {
 
 TEST_F(DatabaseDamage, AnHdf5FileOfAnotherKindIsForeign) {
   AtomicFile empty(file_);
-  Hdf5Writer nothing;
+  StoredWriter nothing = make_writer(StoredForm::kHdf5);
   empty.write(nothing.image());
   empty.commit();
   EXPECT_SAYS(outcome(file_), "is an HDF5 file of another kind");

@@ -11,7 +11,7 @@
 #include "formats/database/chunk_reader.h"
 #include "formats/database/database_diff.h"
 #include "formats/database/database_slice.h"
-#include "formats/hdf5/hdf5_reader.h"
+#include "formats/stored/stored_reader.h"
 #include "tests/support/punctured_sphere.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
@@ -20,8 +20,7 @@ namespace palpate {
 namespace {
 
 std::string digest_in(const std::filesystem::path& file) {
-  const Hdf5Lock lock;
-  return Hdf5Reader(file).remark("/", kDigestName);
+  return database_sha256(file);
 }
 
 TEST(DatabasePuncture, ReadsWhatWasWritten) {
@@ -52,9 +51,8 @@ TEST(DatabasePuncture, ForcesAreInNewtonsAndEnergiesInJoules) {
        {std::pair{"force", "N"}, std::pair{"energy", "J"}}) {
     database.tools[0].puncture.rule = rule;
     write_database(folder / "a.h5", database);
-    const Hdf5Lock lock;
-    const Hdf5Reader reader(folder / "a.h5");
-    EXPECT_NO_THROW((void)reader.shape_of(path, units, Hdf5Type::kFloat64, {-1}));
+    const StoredReader reader(open_stored(folder / "a.h5"));
+    EXPECT_NO_THROW((void)reader.shape_of(path, units, StoredType::kFloat64, {-1}));
   }
 }
 
@@ -129,8 +127,7 @@ TEST(DatabasePuncture, WhatIsNotKnownIsNotInTheFile) {
     write_database(folder / "a.h5", database);
     EXPECT_TRUE(same(read_database(folder / "a.h5").tools[0].puncture,
                      database.tools[0].puncture));
-    const Hdf5Lock lock;
-    Hdf5Reader reader(folder / "a.h5");
+    StoredReader reader(open_stored(folder / "a.h5"));
     return reader.optional_attribute(group, name, false);
   };
   EXPECT_FALSE(has("radius_m") || has("tip_angle_rad") || has("insertable_m"));
@@ -152,8 +149,7 @@ TEST(DatabasePuncture, FilesWithoutItSayNothingOfItAndTheirDigestsStay) {
   EXPECT_NE(digest_in(folder / "with.h5"), digest_in(folder / "never.h5"));
   EXPECT_TRUE(read_database(folder / "never.h5").tools[0].puncture.empty());
   EXPECT_TRUE(read_index(folder / "never.h5").tools[0].puncture.empty());
-  const Hdf5Lock lock;
-  const Hdf5Reader reader(folder / "never.h5");
+  const StoredReader reader(open_stored(folder / "never.h5"));
   EXPECT_FALSE(reader.has(tool + "/puncture"));
   EXPECT_FALSE(reader.has(tool + "/index/puncture_sha256"));
 }

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_lock.h"
 #include "tests/support/test_data.h"
 
 namespace palpate::hdf5 {
@@ -155,8 +155,9 @@ TEST_F(Hdf5HandleFile, VirtualBytesAreOfOtherFiles) {
 
 TEST(Hdf5Handle, TypesInTheFileHaveTheirNamesSizeAndSign) {
   const Hdf5Lock lock;
-  for (const Hdf5Type type : {Hdf5Type::kFloat64, Hdf5Type::kFloat32, Hdf5Type::kInt64,
-                              Hdf5Type::kInt32, Hdf5Type::kInt16, Hdf5Type::kUint8}) {
+  for (const StoredType type :
+       {StoredType::kFloat64, StoredType::kFloat32, StoredType::kInt64,
+        StoredType::kInt32, StoredType::kInt16, StoredType::kUint8}) {
     const std::string name = name_of(type);
     const bool real = name.starts_with("float");
     EXPECT_EQ(H5Tget_size(file_type(type)), bytes_of(type)) << name;
@@ -178,23 +179,6 @@ TEST(Hdf5Handle, ATextOfNoBytesHasAType) {
   EXPECT_EQ(H5Tget_size(string_type(5).get()), 5U);
   EXPECT_EQ(H5Tget_cset(string_type(5).get()), H5T_CSET_UTF8);
   EXPECT_EQ(H5Tget_strpad(string_type(5).get()), H5T_STR_NULLPAD);
-}
-
-// The example of FORMAT.md, "Digest".
-TEST(Hdf5Handle, ADigestsItemBeginsWithItsOwnLine) {
-  EXPECT_EQ(digest_head("/@format", "text", 25, 0), "/@format text 25 0\n");
-  EXPECT_EQ(digest_head("/body/x", "float64", 7, 3), "/body/x float64 7 3\n");
-}
-
-TEST(Hdf5Handle, ShapesCountTheirValues) {
-  EXPECT_EQ(values_in({5}), 5U);
-  EXPECT_EQ(values_in({5, 3}), 15U);
-  EXPECT_EQ(values_in({5, 3, 2}), 30U);
-  EXPECT_EQ(values_in({0, 3}), 0U);
-  EXPECT_EQ(columns_of({5}), 0);
-  EXPECT_EQ(columns_of({5, 1}), 1);
-  EXPECT_EQ(columns_of({0, 3}), 3);
-  EXPECT_EQ(columns_of({5, 3, 2}), 6);
 }
 
 }  // namespace

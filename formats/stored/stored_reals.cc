@@ -4,17 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "formats/hdf5/hdf5_handle.h"
-#include "formats/hdf5/hdf5_reader.h"
-#include "formats/hdf5/storage_options.h"
+#include "formats/stored/storage_options.h"
+#include "formats/stored/stored_reader.h"
+#include "formats/stored/stored_writer.h"
 
 namespace palpate {
 namespace {
-
-std::string float64_head(const std::string& path, const std::vector<double>& values) {
-  return hdf5::digest_head(path, "float64", static_cast<std::int64_t>(values.size()),
-                           0);
-}
 
 std::string scale_path(const std::string& path) {
   return path + "_scale";
@@ -22,20 +17,14 @@ std::string scale_path(const std::string& path) {
 
 }  // namespace
 
-void Hdf5Writer::digest_only(const std::string& path,
-                             const std::vector<double>& values) {
-  digest_.add(float64_head(path, values), values.data(),
-              values.size() * sizeof(double));
-}
-
-void Hdf5Writer::reals(const std::string& path, const char* units,
-                       const std::vector<double>& values,
-                       const std::vector<std::int64_t>& begin) {
-  if (storage_.precision == Precision::kFloat64) {
+void StoredWriter::reals(const std::string& path, const char* units,
+                         const std::vector<double>& values,
+                         const std::vector<std::int64_t>& begin) {
+  if (precision_ == Precision::kFloat64) {
     dataset(path, units, values);
     return;
   }
-  if (storage_.precision == Precision::kFloat32) {
+  if (precision_ == Precision::kFloat32) {
     derived(path, units, std::vector<float>(values.begin(), values.end()));
   } else {
     // int16: value = scale * step, one scale for each node's run of samples.
@@ -56,21 +45,15 @@ void Hdf5Writer::reals(const std::string& path, const char* units,
   digest_only(path, values);
 }
 
-void Hdf5Reader::digest_only(const std::string& path,
-                             const std::vector<double>& values) {
-  digest_.add(float64_head(path, values), values.data(),
-              values.size() * sizeof(double));
-}
-
-void Hdf5Reader::reals(const std::string& path, const char* units,
-                       std::vector<double>& values,
-                       const std::vector<std::int64_t>& begin) {
-  const Hdf5Type type = type_of(path);
-  if (type != Hdf5Type::kFloat32 && type != Hdf5Type::kInt16) {
+void StoredReader::reals(const std::string& path, const char* units,
+                         std::vector<double>& values,
+                         const std::vector<std::int64_t>& begin) {
+  const StoredType type = type_of(path);
+  if (type != StoredType::kFloat32 && type != StoredType::kInt16) {
     dataset(path, units, values);
     return;
   }
-  const Hdf5Shape shape = checked_shape(path, units, type, {-1});
+  const StoredShape shape = shape_of(path, units, type, {-1});
   allocate(path, shape, [&] {
     values.resize(static_cast<std::size_t>(shape[0]));
   });
@@ -78,22 +61,22 @@ void Hdf5Reader::reals(const std::string& path, const char* units,
   digest_only(path, values);
 }
 
-void Hdf5Reader::rows_as_reals(const std::string& path, const char* units,
-                               std::int64_t first_row, std::int64_t first_node,
-                               const std::vector<std::int64_t>& begin,
-                               std::vector<double>& values) const {
+void StoredReader::rows_as_reals(const std::string& path, const char* units,
+                                 std::int64_t first_row, std::int64_t first_node,
+                                 const std::vector<std::int64_t>& begin,
+                                 std::vector<double>& values) const {
   const auto count = static_cast<std::int64_t>(values.size());
   switch (type_of(path)) {
-    case Hdf5Type::kFloat32: {
+    case StoredType::kFloat32: {
       std::vector<float> stored(values.size());
-      rows(path, units, Hdf5Type::kFloat32, first_row, count, 0, stored.data());
+      rows(path, units, StoredType::kFloat32, first_row, count, 0, stored.data());
       std::copy(stored.begin(), stored.end(), values.begin());
       return;
     }
-    case Hdf5Type::kInt16:
+    case StoredType::kInt16:
       break;
     default:
-      rows(path, units, Hdf5Type::kFloat64, first_row, count, 0, values.data());
+      rows(path, units, StoredType::kFloat64, first_row, count, 0, values.data());
       return;
   }
   if (begin.empty() || begin.front() != 0 || begin.back() != count ||
@@ -104,8 +87,8 @@ void Hdf5Reader::rows_as_reals(const std::string& path, const char* units,
   // value = scale * step; scale[i] is of node first_node + i.
   std::vector<std::int16_t> steps(values.size());
   std::vector<double> scale(begin.size() - 1);
-  rows(path, units, Hdf5Type::kInt16, first_row, count, 0, steps.data());
-  rows(scale_path(path), units, Hdf5Type::kFloat64, first_node,
+  rows(path, units, StoredType::kInt16, first_row, count, 0, steps.data());
+  rows(scale_path(path), units, StoredType::kFloat64, first_node,
        static_cast<std::int64_t>(scale.size()), 0, scale.data());
   for (std::size_t i = 0; i < scale.size(); ++i) {
     for (auto k = static_cast<std::size_t>(begin[i]);

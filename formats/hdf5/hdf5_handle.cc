@@ -1,69 +1,42 @@
-#include "formats/hdf5/hdf5_io.h"
-
-#include <array>
-#include <bit>
-#include <cmath>
-#include <functional>
-#include <numeric>
-#include <span>
-
-#include <fmt/format.h>
-
-#include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
 
-namespace palpate {
+#include <array>
+#include <cmath>
 
-static_assert(std::endian::native == std::endian::little,
-              "datasets pass between file and memory without conversion");
+#include "formats/base/input_file.h"
 
-void ContentDigest::add(std::string_view head, const void* data, std::size_t bytes) {
-  digest_.update(std::as_bytes(std::span(head.data(), head.size())));
-  digest_.update({static_cast<const std::byte*>(data), bytes});
-}
+namespace palpate::hdf5 {
 
 namespace {
 
-std::recursive_mutex& hdf5_mutex() {
-  static std::recursive_mutex mutex;
-  return mutex;
+Handle reading_access() {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  H5Pset_metadata_read_attempts(access.get(), 1);
+  return access;
 }
 
 }  // namespace
 
-Hdf5Lock::Hdf5Lock() : guard_(hdf5_mutex()) {}
-
-void lock_hdf5() {
-  hdf5_mutex().lock();
-}
-
-void unlock_hdf5() {
-  hdf5_mutex().unlock();
-}
-
-QuietHdf5::QuietHdf5() {
-  H5E_auto2_t function = nullptr;
-  H5Eget_auto2(H5E_DEFAULT, &function, &data_);
-  function_ = reinterpret_cast<void*>(function);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-QuietHdf5::~QuietHdf5() {
-  H5Eset_auto2(H5E_DEFAULT, reinterpret_cast<H5E_auto2_t>(function_), data_);
-}
-
-void skip_hdf5_exit_cleanup() noexcept {
-  H5dont_atexit();
-}
-
-namespace hdf5 {
-
 hid_t open_read_only(const std::filesystem::path& file, unsigned flags) {
   require_regular_file(file);
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
-  H5Pset_metadata_read_attempts(access.get(), 1);
+  const Handle access = reading_access();
   return H5Fopen(file.c_str(), H5F_ACC_RDONLY | flags, access.get());
+}
+
+hid_t open_in_memory(std::span<const std::byte> bytes) {
+  constexpr std::size_t kGrowth = std::size_t{1} << 20;
+  const Handle access = reading_access();
+  // HDF5 takes a copy, and changes none of the bytes.
+  if (H5Pset_fapl_core(access.get(), kGrowth, false) < 0 ||
+      H5Pset_file_image(access.get(), const_cast<std::byte*>(bytes.data()),
+                        bytes.size()) < 0) {
+    return -1;
+  }
+  // HDF5 tells open files apart by name; this one names no file.
+  static int count = 0;
+  const std::string name = "bytes in memory " + std::to_string(++count);
+  return H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get());
 }
 
 Link link_at(hid_t file, const std::string& path) {
@@ -128,56 +101,22 @@ bool holds_its_bytes(hid_t dataset) {
   }
 }
 
-hid_t file_type(Hdf5Type type) {
+hid_t file_type(StoredType type) {
   switch (type) {
-    case Hdf5Type::kFloat64:
+    case StoredType::kFloat64:
       return H5T_IEEE_F64LE;
-    case Hdf5Type::kFloat32:
+    case StoredType::kFloat32:
       return H5T_IEEE_F32LE;
-    case Hdf5Type::kInt64:
+    case StoredType::kInt64:
       return H5T_STD_I64LE;
-    case Hdf5Type::kInt32:
+    case StoredType::kInt32:
       return H5T_STD_I32LE;
-    case Hdf5Type::kInt16:
+    case StoredType::kInt16:
       return H5T_STD_I16LE;
-    case Hdf5Type::kUint8:
+    case StoredType::kUint8:
       break;
   }
   return H5T_STD_U8LE;
-}
-
-const char* name_of(Hdf5Type type) {
-  switch (type) {
-    case Hdf5Type::kFloat64:
-      return "float64";
-    case Hdf5Type::kFloat32:
-      return "float32";
-    case Hdf5Type::kInt64:
-      return "int64";
-    case Hdf5Type::kInt32:
-      return "int32";
-    case Hdf5Type::kInt16:
-      return "int16";
-    case Hdf5Type::kUint8:
-      break;
-  }
-  return "uint8";
-}
-
-std::size_t bytes_of(Hdf5Type type) {
-  switch (type) {
-    case Hdf5Type::kFloat64:
-    case Hdf5Type::kInt64:
-      return 8;
-    case Hdf5Type::kFloat32:
-    case Hdf5Type::kInt32:
-      return 4;
-    case Hdf5Type::kInt16:
-      return 2;
-    case Hdf5Type::kUint8:
-      break;
-  }
-  return 1;
 }
 
 Handle string_type(std::size_t bytes) {
@@ -203,21 +142,4 @@ std::string last_failure() {
   return text.empty() ? "HDF5 gives no reason" : text;
 }
 
-std::string digest_head(const std::string& path, const char* type, std::int64_t rows,
-                        std::int64_t columns) {
-  return fmt::format("{} {} {} {}\n", path, type, rows, columns);
-}
-
-std::int64_t columns_of(const Hdf5Shape& shape) {
-  return shape.size() < 2 ? 0
-                          : std::accumulate(shape.begin() + 1, shape.end(),
-                                            std::int64_t{1}, std::multiplies<>());
-}
-
-std::size_t values_in(const Hdf5Shape& shape) {
-  return static_cast<std::size_t>(std::accumulate(
-      shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>()));
-}
-
-}  // namespace hdf5
-}  // namespace palpate
+}  // namespace palpate::hdf5

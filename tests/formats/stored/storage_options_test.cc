@@ -1,4 +1,4 @@
-#include "formats/hdf5/storage_options.h"
+#include "formats/stored/storage_options.h"
 
 #include <cmath>
 #include <limits>

@@ -1,32 +1,34 @@
-// HDF5 files read behind C++: who reads one that is not its own holds it to types,
-// shapes and sizes first.
+// Files read behind C++, whatever their form: who reads one that is not its own holds
+// it to types, shapes and sizes first.
+//
+// StoredWriter and StoredReader have the same methods. So one template states for both
+// what a file holds and in which order.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <new>
 #include <string>
 #include <vector>
 
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/stored/content_digest.h"
+#include "formats/stored/stored_file.h"
 
 namespace palpate {
 
 /// Reads a file that may be foreign, damaged or hostile: types, shapes, units and sizes
 /// are checked before anything is allocated. Every method @throws FormatError naming
 /// the file, the dataset or attribute, what it is and what it must be.
-class Hdf5Reader {
+class StoredReader {
  public:
   static constexpr bool kWrites = false;
 
-  /// @throws InputError if the file is missing or cannot be opened, FormatError if it
-  /// is not HDF5 or is truncated.
-  explicit Hdf5Reader(const std::filesystem::path& file);
-  ~Hdf5Reader();
-  Hdf5Reader(const Hdf5Reader&) = delete;
-  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+  explicit StoredReader(std::unique_ptr<const StoredFile> file)
+      : file_(std::move(file)) {}
+
+  /// Of the file alone: its name, its form, its size, and who may use it.
+  [[nodiscard]] const StoredFile& file() const noexcept { return *file_; }
 
   [[nodiscard]] bool has(const std::string& path) const;
   [[nodiscard]] bool has_attribute(const std::string& object, const char* name) const;
@@ -55,38 +57,38 @@ class Hdf5Reader {
 
   template <typename T>
   void dataset(const std::string& path, const char* units, std::vector<T>& values) {
-    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
-    allocate(path, shape, [&] {
-      values.resize(static_cast<std::size_t>(shape[0]));
+    const Checked found = checked(path, units, stored_type<T>(), {-1});
+    allocate(path, found.shape, [&] {
+      values.resize(static_cast<std::size_t>(found.shape[0]));
     });
-    read(path, hdf5_type<T>(), values.data(), shape, true);
+    read(path, found, values.data(), true);
   }
 
   template <typename T>
   void dataset(const std::string& path, const char* units, RowMajor3<T>& values) {
-    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3});
-    allocate(path, shape, [&] {
-      values.resize(shape[0], 3);
+    const Checked found = checked(path, units, stored_type<T>(), {-1, 3});
+    allocate(path, found.shape, [&] {
+      values.resize(found.shape[0], 3);
     });
-    read(path, hdf5_type<T>(), values.data(), shape, true);
+    read(path, found, values.data(), true);
   }
 
   template <typename T>
   void dataset(const std::string& path, const char* units, RowMajor<T>& values) {
-    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, -1});
-    allocate(path, shape, [&] {
-      values.resize(shape[0], shape[1]);
+    const Checked found = checked(path, units, stored_type<T>(), {-1, -1});
+    allocate(path, found.shape, [&] {
+      values.resize(found.shape[0], found.shape[1]);
     });
-    read(path, hdf5_type<T>(), values.data(), shape, true);
+    read(path, found, values.data(), true);
   }
 
   template <typename T>
   void vectors(const std::string& path, const char* units, RowMajor<T>& values) {
-    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3, -1});
-    allocate(path, shape, [&] {
-      values.resize(3 * shape[0], shape[2]);
+    const Checked found = checked(path, units, stored_type<T>(), {-1, 3, -1});
+    allocate(path, found.shape, [&] {
+      values.resize(3 * found.shape[0], found.shape[2]);
     });
-    read(path, hdf5_type<T>(), values.data(), shape, true);
+    read(path, found, values.data(), true);
   }
 
   void samples(const std::string& path, const char* units,
@@ -101,11 +103,13 @@ class Hdf5Reader {
   void reals(const std::string& path, const char* units, std::vector<double>& values,
              const std::vector<std::int64_t>& begin);
   [[nodiscard]] bool keeps_slopes(const std::string& path) const { return has(path); }
-  void digest_only(const std::string& path, const std::vector<double>& values);
+  void digest_only(const std::string& path, const std::vector<double>& values) {
+    digest_.add_reals(path, values);
+  }
 
   /// Rows [begin, begin + count) of a dataset of any number of columns, outside the
   /// digest. @param columns 0 for one dimension
-  void rows(const std::string& path, const char* units, Hdf5Type type,
+  void rows(const std::string& path, const char* units, StoredType type,
             std::int64_t begin, std::int64_t count, std::int64_t columns,
             void* to) const;
 
@@ -118,35 +122,33 @@ class Hdf5Reader {
                      std::vector<double>& values) const;
 
   /// Element type of a dataset. @throws FormatError if it is missing or another's.
-  [[nodiscard]] Hdf5Type type_of(const std::string& path) const;
+  [[nodiscard]] StoredType type_of(const std::string& path) const;
 
   /// Extent of a dataset of known type and units: nothing is read.
-  [[nodiscard]] Hdf5Shape shape_of(const std::string& path, const char* units,
-                                   Hdf5Type type, const Hdf5Shape& wanted) const {
-    return checked_shape(path, units, type, wanted);
+  [[nodiscard]] StoredShape shape_of(const std::string& path, const char* units,
+                                     StoredType type, const StoredShape& wanted) const {
+    return checked(path, units, type, wanted).shape;
   }
 
   /// A text attribute outside the digest.
-  [[nodiscard]] std::string remark(const std::string& object, const char* name) const {
-    return read_text_attribute(object, name);
-  }
+  [[nodiscard]] std::string remark(const std::string& object, const char* name) const;
 
   /// A whole number outside the digest.
   [[nodiscard]] std::int64_t remark_number(const std::string& object,
                                            const char* name) const;
 
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const { file_->fail(what); }
 
   /// Reads and compares. @throws FormatError also if the file says anything else.
   template <typename T>
   void derived(const std::string& path, const char* units,
                const std::vector<T>& expected) {
-    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
+    const Checked found = checked(path, units, stored_type<T>(), {-1});
     std::vector<T> values;
-    allocate(path, shape, [&] {
-      values.resize(static_cast<std::size_t>(shape[0]));
+    allocate(path, found.shape, [&] {
+      values.resize(static_cast<std::size_t>(found.shape[0]));
     });
-    read(path, hdf5_type<T>(), values.data(), shape, false);
+    read(path, found, values.data(), false);
     if (values != expected) {
       fail("dataset " + path + " does not follow from the rest of the file");
     }
@@ -155,18 +157,19 @@ class Hdf5Reader {
   void derived(
       const std::string& path, const char* units,
       const Eigen::Matrix<T, Eigen::Dynamic, kColumns, Eigen::RowMajor>& expected) {
-    const Hdf5Shape shape =
-        checked_shape(path, units, hdf5_type<T>(), {-1, expected.cols()});
+    const Checked found = checked(path, units, stored_type<T>(), {-1, expected.cols()});
     RowMajor<T> values;
-    allocate(path, shape, [&] {
-      values.resize(shape[0], shape[1]);
+    allocate(path, found.shape, [&] {
+      values.resize(found.shape[0], found.shape[1]);
     });
-    read(path, hdf5_type<T>(), values.data(), shape, false);
+    read(path, found, values.data(), false);
     if (values.rows() != expected.rows() || values != expected) {
       fail("dataset " + path + " does not follow from the rest of the file");
     }
   }
 
+  /// As StoredFile::shows_vtk().
+  [[nodiscard]] bool shows_vtk() const { return file_->shows_vtk(); }
   /// Requires that both paths name one object.
   void link(const std::string& path, const std::string& object) const;
   void vtk_header(const std::string& group) const;
@@ -174,10 +177,24 @@ class Hdf5Reader {
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
  private:
+  // A dataset stays open: readers of chunks come back to it. Its bytes and its units
+  // were checked where `units` says which.
+  struct Kept {
+    std::unique_ptr<const StoredDataset> dataset;
+    bool whole = false;
+    std::string units = {};
+  };
+  struct Checked {
+    const StoredDataset& dataset;
+    StoredType type;
+    StoredShape shape;
+  };
+
   // Memory for what a file claims to hold: where there is none, the error names the
   // file.
   template <typename Resize>
-  void allocate(const std::string& path, const Hdf5Shape& shape, Resize resize) const {
+  void allocate(const std::string& path, const StoredShape& shape,
+                Resize resize) const {
     try {
       resize();
     } catch (const std::bad_alloc&) {
@@ -185,27 +202,19 @@ class Hdf5Reader {
     }
   }
   [[noreturn]] void fail_of_memory(const std::string& path,
-                                   const Hdf5Shape& shape) const;
-
-  [[nodiscard]] Hdf5Shape checked_shape(const std::string& path, const char* units,
-                                        Hdf5Type type, const Hdf5Shape& wanted) const;
-  void read(const std::string& path, Hdf5Type type, void* to, const Hdf5Shape& shape,
-            bool digested);
-  [[nodiscard]] std::string read_text_attribute(const std::string& object,
-                                                const char* name) const;
+                                   const StoredShape& shape) const;
+  void require_attribute(const std::string& object, const char* name) const;
+  void require_dataset(const std::string& path) const;
   template <typename T>
   void read_number(const std::string& object, const char* name, T& value) const;
+  [[nodiscard]] Kept& kept(const std::string& path) const;
+  [[nodiscard]] Checked checked(const std::string& path, const char* units,
+                                StoredType type, const StoredShape& wanted) const;
+  void read(const std::string& path, const Checked& found, void* to, bool digested);
 
-  // What rows() has checked and opened stays open: readers of chunks come back to it.
-  struct Kept;
-  [[nodiscard]] const Kept& kept(const std::string& path, const char* units,
-                                 Hdf5Type type, std::int64_t columns) const;
-
-  std::filesystem::path file_;
-  std::int64_t id_ = -1;
-  std::uint64_t bytes_ = 0;  // size of the file: nothing in it can be larger
+  std::unique_ptr<const StoredFile> file_;
   ContentDigest digest_;
-  mutable std::map<std::string, std::unique_ptr<const Kept>> kept_;
+  mutable std::map<std::string, Kept> kept_;  // closed before the file
 };
 
 }  // namespace palpate
