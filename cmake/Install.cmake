@@ -52,7 +52,7 @@ foreach(part ${parts})
   string(REPLACE ":" ";" part ${part})
   list(GET part 0 component)
   list(GET part 1 package)
-  install(FILES LICENSE LICENSE.Apache-2.0 LICENSE.AGPL-3.0 COMPONENT ${component}
+  install(FILES LICENSE LICENSE.Apache-2.0 LICENSE.AGPL-3.0 LICENSE.Boost-1.0 COMPONENT ${component}
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package})
   string(TOUPPER ${component} key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${package})

@@ -1,5 +1,15 @@
 option(PALPATE_UNITY "Compile the sources of a target together; for cold builds" ON)
 set(PALPATE_UNIT_SOURCES 32 CACHE STRING "How many sources one translation unit joins at most")
+# Sources of one kind of platform alone end in its name: x_posix.cc, x_windows.cc, x_bare.cc
+# (no operating system: WebAssembly), x_none.cc (all but POSIX).
+if(WIN32)
+  set(PALPATE_OTHER_PLATFORMS "_(posix|bare)\\.cc$")
+elseif(UNIX)
+  set(PALPATE_OTHER_PLATFORMS "_(windows|bare|none)\\.cc$")
+else()
+  set(PALPATE_OTHER_PLATFORMS "_(posix|windows)\\.cc$")
+endif()
+
 # palpate_units(<target> <source>...): with PALPATE_UNITY the sources become the fewest
 # translation units of equal size: headers, and what they instantiate, are paid once a unit.
 # `.ci/unity` keeps the names of a target's sources apart.
@@ -41,8 +51,9 @@ function(palpate_library name)
     file(GLOB found CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
     list(APPEND sources ${found})
   endforeach()
-  # Of the shared library and of the front program alone.
-  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|memory|main)|fault_name)\\.cc$")
+  # Of the shared library, of the front program and of the page's module alone.
+  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|memory|main)|fault_name|page_module)\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_PLATFORMS}")
   list(FILTER sources EXCLUDE REGEX "_without_hdf5\\.cc$|/without_hdf5\\.cc$")
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})

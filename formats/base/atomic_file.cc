@@ -5,10 +5,9 @@
 #include <string>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "formats/base/durable_file.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -16,40 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What passes by itself, or once somebody has made room.
-bool is_passing(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-    case ENOMEM:
-    case EMFILE:
-    case ENFILE:
-    case ESTALE:
-    case EIO:
-      return true;
-    default:
-      return false;
-  }
-}
-
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
-void sync(const fs::path& path, int flags, const fs::path& target) {
-  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (fd < 0 || ::fsync(fd) != 0) {
-    const int error = errno;
-    if (fd >= 0) {
-      ::close(fd);
-    }
-    // Some file systems cannot sync a folder; the rename itself is still atomic.
-    if (error == EINVAL && (flags & O_DIRECTORY) != 0) {
-      return;
-    }
-    cannot_be(target, "made durable", error);
-  }
-  ::close(fd);
 }
 
 }  // namespace
@@ -73,57 +40,44 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     throw InputError(
         fmt::format("{}: cannot be written: is not a regular file", target.string()));
   }
-  for (int attempt = 0; attempt < 1000; ++attempt) {
+  int error = EEXIST;
+  for (int attempt = 0; attempt < 1000 && error == EEXIST; ++attempt) {
     temporary_ =
-        folder_of(target_) /
-        fmt::format(".{}.{}-{}.tmp", target_.filename().string(), ::getpid(), attempt);
-    // Not mkstemp: the file gets the permissions that the user's umask grants.
-    const int fd =
-        ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (fd >= 0) {
-      ::close(fd);
-      return;
-    }
-    if (errno != EEXIST) {
-      break;
-    }
+        folder_of(target_) / fmt::format(".{}.{}-{}.tmp", target_.filename().string(),
+                                         process_id(), attempt);
+    error = create_file(temporary_);
   }
-  cannot_be(target, "written", errno);
+  if (error != 0) {
+    cannot_be(target, "written", error);
+  }
 }
 
 AtomicFile::~AtomicFile() {
   if (!committed_) {
-    ::unlink(temporary_.c_str());
+    std::error_code ignored;
+    fs::remove(temporary_, ignored);
   }
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) const {
-  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
-  int error = fd < 0 ? errno : 0;
-  while (error == 0 && !bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written >= 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      error = errno;
-    }
-  }
-  // Some file systems report a full disk only here.
-  if (fd >= 0 && ::close(fd) != 0 && error == 0) {
-    error = errno;
-  }
-  if (error != 0) {
+  if (const int error = overwrite_file(temporary_, bytes); error != 0) {
     cannot_be(target_, "written", error);
   }
 }
 
 void AtomicFile::commit() {
-  sync(temporary_, O_RDONLY, target_);
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
-    cannot_be(target_, "written", errno);
+  if (const int error = flush_file(temporary_); error != 0) {
+    cannot_be(target_, "made durable", error);
+  }
+  std::error_code moved;
+  fs::rename(temporary_, target_, moved);
+  if (moved) {
+    cannot_be(target_, "written", moved.default_error_condition().value());
   }
   committed_ = true;
-  sync(folder_of(target_), O_RDONLY | O_DIRECTORY, target_);
+  if (const int error = flush_folder(folder_of(target_)); error != 0) {
+    cannot_be(target_, "made durable", error);
+  }
 }
 
 }  // namespace palpate

@@ -2,16 +2,22 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
+#ifdef PALPATE_OPENSSL
 #include <openssl/evp.h>
+#endif
 
 #include "formats/base/error.h"
+#include "formats/base/portable_sha256.h"
 
 namespace palpate {
+
+#ifdef PALPATE_OPENSSL
 namespace {
 
 // OpenSSL's digest calls fail only when the library is broken or out of memory.
@@ -23,30 +29,43 @@ void require_done(bool done) {
 
 }  // namespace
 
-Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
-  require_done(context_ != nullptr &&
-               EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1);
-}
+struct Sha256::State {
+  using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
 
-Sha256::~Sha256() {
-  EVP_MD_CTX_free(context_);
-}
+  State() {
+    require_done(context != nullptr &&
+                 EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1);
+  }
+  void update(std::span<const std::byte> bytes) {
+    require_done(EVP_DigestUpdate(context.get(), bytes.data(), bytes.size()) == 1);
+  }
+  [[nodiscard]] std::array<std::uint8_t, 32> digest() const {
+    std::array<std::uint8_t, 32> result{};
+    const Context copy(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+    require_done(copy != nullptr &&
+                 EVP_MD_CTX_copy_ex(copy.get(), context.get()) == 1 &&
+                 EVP_DigestFinal_ex(copy.get(), result.data(), nullptr) == 1);
+    return result;
+  }
+
+  const Context context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+};
+#else
+struct Sha256::State : PortableSha256 {};
+#endif
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {}
+
+Sha256::~Sha256() = default;
 
 void Sha256::update(std::span<const std::byte> bytes) {
-  require_done(EVP_DigestUpdate(context_, bytes.data(), bytes.size()) == 1);
+  state_->update(bytes);
 }
 
 std::string Sha256::hex() const {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  EVP_MD_CTX* copy = EVP_MD_CTX_new();
-  const bool done = copy != nullptr && EVP_MD_CTX_copy_ex(copy, context_) == 1 &&
-                    EVP_DigestFinal_ex(copy, digest.data(), &size) == 1;
-  EVP_MD_CTX_free(copy);
-  require_done(done);
   std::string text;
-  for (unsigned int i = 0; i < size; ++i) {
-    text += fmt::format("{:02x}", digest[i]);
+  for (const std::uint8_t byte : state_->digest()) {
+    text += fmt::format("{:02x}", byte);
   }
   return text;
 }

@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
-
-struct evp_md_ctx_st;
 
 namespace palpate {
 
@@ -24,7 +23,8 @@ class Sha256 {
   [[nodiscard]] std::string hex() const;
 
  private:
-  evp_md_ctx_st* context_;
+  struct State;  // OpenSSL's; PortableSha256 in a build without OpenSSL
+  std::unique_ptr<State> state_;
 };
 
 /// 64 lower-case hexadecimal digits. @throws InputError if the file cannot be read.

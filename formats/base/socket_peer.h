@@ -1,14 +1,13 @@
 // Who is at the other end of a local socket.
 #pragma once
 
+#include <cstdint>
 #include <optional>
-
-#include <sys/types.h>
 
 namespace palpate {
 
 /// The user at the other end (SO_PEERCRED) where it is neither this process' user nor
 /// root; -1 where nobody says. None: it is.
-[[nodiscard]] std::optional<uid_t> stranger_at(int descriptor) noexcept;
+[[nodiscard]] std::optional<std::uint32_t> stranger_at(int descriptor) noexcept;
 
 }  // namespace palpate

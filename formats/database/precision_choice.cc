@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "formats/base/durable_file.h"
 #include "formats/base/error.h"
 #include "formats/base/stopwatch.h"
 #include "formats/database/rounded_database.h"
@@ -109,8 +109,9 @@ void compare(const ResponseDatabase& exact, const ResponseDatabase& coarse,
 }
 
 std::vector<PrecisionRow> measure_precisions(const ResponseDatabase& database) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                     fmt::format("palpate-precision-{}.h5", ::getpid());
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() /
+      fmt::format("palpate-precision-{}.h5", process_id());
   std::vector<PrecisionRow> rows;
   try {
     for (const Precision precision :

@@ -28,10 +28,9 @@ void list_verbs(Heading&& heading, Line&& line) {
 }  // namespace
 
 const Verb* find_verb(std::string_view name) {
-  const auto* const found =
-      std::find_if(kVerbs.begin(), kVerbs.end(), [&](const Verb& verb) {
-        return verb.name == name;
-      });
+  const auto found = std::find_if(kVerbs.begin(), kVerbs.end(), [&](const Verb& verb) {
+    return verb.name == name;
+  });
   return found == kVerbs.end() ? nullptr : found;
 }
 

@@ -107,10 +107,10 @@ std::string head_of(const fs::path& file) {
 const InstrumentLayout& layout_of(const fs::path& file) {
   const std::string head = head_of(file);
   refuse_others(file, head);
-  const auto* const found = std::find_if(kLayouts.begin(), kLayouts.end() - 1,
-                                         [&](const InstrumentLayout& layout) {
-                                           return layout.recognises(file, head);
-                                         });
+  const auto found = std::find_if(kLayouts.begin(), kLayouts.end() - 1,
+                                  [&](const InstrumentLayout& layout) {
+                                    return layout.recognises(file, head);
+                                  });
   if (is_zip(head) && found == kLayouts.end() - 1) {
     throw FormatError(fmt::format(
         "{}: is a zip archive, but no JPK file and no workbook, or it is cut short; "

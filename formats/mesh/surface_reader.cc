@@ -30,7 +30,7 @@ std::string extension_of(const std::filesystem::path& file) {
   for (char& c : extension) {
     c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  const auto* known =
+  const auto known =
       std::find(kSurfaceExtensions.begin(), kSurfaceExtensions.end(), extension);
   if (known == kSurfaceExtensions.end()) {
     throw InputError(fmt::format("{}: unknown mesh format \"{}\"; known: {}",

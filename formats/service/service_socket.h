@@ -71,6 +71,9 @@ class ServiceListener {
 
 /// Where the service of a scene listens unless another address is stated:
 /// "OUTPUT.socket".
-[[nodiscard]] std::filesystem::path service_socket(const std::filesystem::path& output);
+[[nodiscard]] inline std::filesystem::path service_socket(
+    const std::filesystem::path& output) {
+  return output.string() + ".socket";
+}
 
 }  // namespace palpate

@@ -127,7 +127,7 @@ class ProbeReader {
   [[nodiscard]] ProbedAxis axis(const Json& from) const {
     ProbedAxis a;
     const std::string name = from.is_object() ? text(from, "axis") : "";
-    const auto* const known = std::find(kAxes.begin(), kAxes.end(), name);
+    const auto known = std::find(kAxes.begin(), kAxes.end(), name);
     if (known == kAxes.end()) {
       refuse(fmt::format("axis \"{}\" is none of x, y and z", name));
     }

@@ -222,7 +222,7 @@ const char* scan_inverse_state(std::string_view text, std::string_view id,
                                                    "wireless_verse_grip"};
   std::array<bool, kLists.size()> listed{};
   json.object([&](std::string_view name) {
-    const auto* const list = std::find(kLists.begin(), kLists.end(), name);
+    const auto list = std::find(kLists.begin(), kLists.end(), name);
     if (list == kLists.end()) {
       json.skip();
       return;

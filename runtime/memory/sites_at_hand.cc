@@ -12,9 +12,9 @@ constexpr Real kNoReach = 1e-30;
 
 // Position of a site, added if it is new.
 std::size_t claim_position(SitesAtHand& sites, std::int32_t site) {
-  const auto* const begin = sites.site.begin();
-  const auto* const end = begin + sites.count;
-  const auto* const found = std::find(begin, end, site);
+  const auto begin = sites.site.begin();
+  const auto end = begin + sites.count;
+  const auto found = std::find(begin, end, site);
   if (found == end) {
     sites.share[sites.count].fill(Real(0.0));
     sites.site[sites.count] = site;
@@ -25,9 +25,9 @@ std::size_t claim_position(SitesAtHand& sites, std::int32_t site) {
 
 // What was at hand until now of a site: its position, or -1.
 int position_in(const SitesAtHand& sites, std::int32_t site) {
-  const auto* const begin = sites.site.begin();
-  const auto* const end = begin + sites.count;
-  const auto* const found = std::find(begin, end, site);
+  const auto begin = sites.site.begin();
+  const auto end = begin + sites.count;
+  const auto found = std::find(begin, end, site);
   return found == end ? -1 : static_cast<int>(found - begin);
 }
 

@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <optional>
 
-#include <sys/types.h>
-
 namespace palpate {
 
 /// Where the database of a served scene goes unless stated otherwise: "NAME.h5" in the
 /// present folder, as `palpate-precompute serve` has it.
-[[nodiscard]] std::filesystem::path served_output(const std::filesystem::path& scene);
+[[nodiscard]] inline std::filesystem::path served_output(
+    const std::filesystem::path& scene) {
+  return scene.stem().string() + ".h5";
+}
 
 /// The program: what is given, else `palpate-precompute` beside this executable, else
 /// in PATH. @throws InputError if there is none.
@@ -47,10 +48,10 @@ class ServiceProcess {
   /// Its exit code once it has ended, 128 + n by signal n; none while it runs.
   [[nodiscard]] std::optional<int> exit_code() noexcept;
 
-  [[nodiscard]] pid_t id() const noexcept { return id_; }
+  [[nodiscard]] int id() const noexcept { return id_; }
 
  private:
-  pid_t id_ = -1;
+  int id_ = -1;
   std::optional<int> exit_code_;
 };
 

@@ -115,8 +115,8 @@ std::optional<FalconPacket> FalconFramer::add(std::uint8_t byte) noexcept {
 }
 
 void FalconFramer::drop_to_next_start() noexcept {
-  auto* const end = held_.begin() + count_;
-  auto* const start = std::find(held_.begin() + 1, end, kStart);
+  const auto end = held_.begin() + count_;
+  const auto start = std::find(held_.begin() + 1, end, kStart);
   dropped_ += static_cast<std::uint64_t>(start - held_.begin());
   count_ = static_cast<std::size_t>(end - start);
   std::copy(start, end, held_.begin());

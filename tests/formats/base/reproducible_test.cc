@@ -3,7 +3,9 @@
 #include "formats/base/reproducible.h"
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <limits>
 #include <numbers>
@@ -11,6 +13,9 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#ifdef PALPATE_TEST_SLEEF
+#include <sleef.h>
+#endif
 
 #include "formats/base/sha256.h"
 #include "tests/support/other_processor.h"
@@ -117,6 +122,91 @@ TEST(Reproducible, IsExactWhereLawsCountOnIt) {
   EXPECT_EQ(reproducible::atan2(0.0, -2.0), std::numbers::pi);
   EXPECT_EQ(reproducible::atan2(2.0, 0.0), 0.5 * std::numbers::pi);
 }
+
+TEST(Reproducible, IsNotANumberBeyondItsDomain) {
+  for (const auto function :
+       {reproducible::sin, reproducible::cos, reproducible::tan}) {
+    EXPECT_FALSE(std::isnan(function(-9e13)));
+    EXPECT_TRUE(std::isnan(function(1e14)));
+    EXPECT_TRUE(std::isnan(function(kInfinity)));
+  }
+}
+
+#ifdef PALPATE_TEST_SLEEF
+bool same(double a, double b) {
+  return (std::isnan(a) && std::isnan(b)) ||
+         std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+// Of every size and sign, and of the size where a body's numbers are.
+template <typename Each>
+void for_each_number(Each each) {
+  std::mt19937_64 random(7);
+  for (const double x : {0.0,
+                         0.5,
+                         1.0,
+                         2.0,
+                         3.0,
+                         15.0,
+                         1e9,
+                         9.9e13,
+                         18.71,
+                         27.3,
+                         36.8,
+                         709.78,
+                         709.79,
+                         745.2,
+                         1000.0,
+                         1001.0,
+                         1e307,
+                         5e-324,
+                         1e-310,
+                         0x1p53,
+                         kInfinity,
+                         std::numeric_limits<double>::max(),
+                         std::numeric_limits<double>::min(),
+                         std::numeric_limits<double>::quiet_NaN()}) {
+    each(x);
+    each(-x);
+  }
+  for (int i = 0; i < 100000; ++i) {
+    each(std::bit_cast<double>(random()));
+    const double u = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+    for (const double size : {1e-6, 1.0, 40.0, 750.0, 1e5, 1e12}) {
+      each(u * size);
+    }
+  }
+}
+
+TEST(Reproducible, HasTheBitsOfSleef) {
+  const std::array sleef{Sleef_cinz_expd1_u10purec,  Sleef_cinz_expm1d1_u10purec,
+                         Sleef_cinz_logd1_u10purec,  Sleef_cinz_log1pd1_u10purec,
+                         Sleef_cinz_cbrtd1_u10purec, Sleef_cinz_sind1_u10purec,
+                         Sleef_cinz_cosd1_u10purec,  Sleef_cinz_tand1_u10purec,
+                         Sleef_cinz_tanhd1_u10purec, Sleef_cinz_acosd1_u10purec,
+                         Sleef_cinz_erfcd1_u15purec};
+  for (std::size_t f = 0; f < sleef.size(); ++f) {
+    const std::string name = kFunctions[f].name;
+    const double most =
+        name == "sin" || name == "cos" || name == "tan" ? 1e14 : kInfinity;
+    for_each_number([&](double x) {
+      if (!(std::abs(x) >= most)) {
+        ASSERT_TRUE(same(kFunctions[f].ours(x), sleef[f](x))) << name << " " << x;
+      }
+    });
+  }
+  double before = 1.5;
+  for_each_number([&](double x) {
+    for (const double y : {before, 2.0, -0.1, 7.0, std::trunc(before)}) {
+      ASSERT_TRUE(same(reproducible::pow(x, y), Sleef_cinz_powd1_u10purec(x, y)))
+          << x << " to the " << y;
+      ASSERT_TRUE(same(reproducible::atan2(x, y), Sleef_cinz_atan2d1_u10purec(x, y)))
+          << x << " over " << y;
+    }
+    before = x;
+  });
+}
+#endif
 
 // What the next test runs in a process of its own.
 TEST(Reproducible, DISABLED_PrintsDigests) {

@@ -1,5 +1,3 @@
-#include "formats/service/service_socket.h"
-
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -17,6 +15,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/socket_peer.h"
+#include "formats/service/service_socket.h"
 
 namespace palpate {
 namespace {
@@ -236,10 +235,6 @@ std::optional<ServiceConnection> ServiceListener::accept(milliseconds within) {
     return std::nullopt;
   }
   return ServiceConnection(joined);
-}
-
-std::filesystem::path service_socket(const std::filesystem::path& output) {
-  return output.string() + ".socket";
 }
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
-#include "runtime/realtime/clock.h"
-
 #include <cerrno>
 #include <ctime>
+
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 

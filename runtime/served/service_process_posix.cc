@@ -1,5 +1,3 @@
-#include "runtime/served/service_process.h"
-
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -16,6 +14,7 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "runtime/served/service_process.h"
 
 extern char** environ;
 
@@ -32,7 +31,7 @@ bool is_program(const std::filesystem::path& file) {
 
 // In a group of its own, signals and scheduling as a program expects them, stdout on
 // stderr, nothing else open.
-int spawn(const std::vector<std::string>& words, pid_t& id) {
+int spawn(const std::vector<std::string>& words, int& id) {
   std::vector<char*> arguments;
   for (const std::string& word : words) {
     arguments.push_back(const_cast<char*>(word.c_str()));
@@ -69,10 +68,6 @@ int spawn(const std::vector<std::string>& words, pid_t& id) {
 }
 
 }  // namespace
-
-std::filesystem::path served_output(const std::filesystem::path& scene) {
-  return scene.stem().string() + ".h5";
-}
 
 std::filesystem::path find_server(const std::filesystem::path& given) {
   if (!given.empty()) {

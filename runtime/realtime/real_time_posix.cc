@@ -1,5 +1,3 @@
-#include "runtime/realtime/real_time.h"
-
 #include <cerrno>
 #include <system_error>
 
@@ -7,6 +5,8 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+
+#include "runtime/realtime/real_time.h"
 
 namespace palpate {
 namespace {
