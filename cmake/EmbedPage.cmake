@@ -30,7 +30,7 @@ foreach(file ${files})
   math(EXPR index "${index} + 1")
 endforeach()
 file(WRITE ${OUTPUT} "// Made by cmake/EmbedPage.cmake.
-#include \"runtime/view/page_assets.h\"
+#include \"formats/report/page_assets.h\"
 
 #include <array>
 #include <cstddef>

@@ -9,6 +9,13 @@ elseif(UNIX)
 else()
   set(PALPATE_OTHER_PLATFORMS "_(posix|windows)\\.cc$")
 endif()
+# Without HDF5 databases are flat files alone (formats/flat/FLAT.md), and nothing is recorded.
+option(PALPATE_HDF5 "Read and write HDF5" ON)
+if(PALPATE_HDF5)
+  set(PALPATE_OTHER_FORMS "without_hdf5\\.cc$")
+else()
+  set(PALPATE_OTHER_FORMS "/hdf5/hdf5_[a-z]+\\.cc$|/recording/recording(_writer)?\\.cc$|/afm_file\\.cc$")
+endif()
 
 # palpate_units(<target> <source>...): with PALPATE_UNITY the sources become the fewest
 # translation units of equal size: headers, and what they instantiate, are paid once a unit.
@@ -67,10 +74,10 @@ function(palpate_library name)
     file(GLOB found CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
     list(APPEND sources ${found})
   endforeach()
-  # Of the shared library and of the front program alone.
-  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name)\\.cc$")
+  # Of the shared library, of the front program and of the page's module alone.
+  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|memory|main)|fault_name|page_module)\\.cc$")
   list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_PLATFORMS}")
-  list(FILTER sources EXCLUDE REGEX "_without_hdf5\\.cc$|/without_hdf5\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_FORMS}")
   foreach(left_out ${ARG_LEFT_OUT})
     list(FILTER sources EXCLUDE REGEX "^${PROJECT_SOURCE_DIR}/${left_out}")
   endforeach()
@@ -167,6 +174,7 @@ function(palpate_c_library)
   endif()
   add_library(palpate_c ${kind} runtime/c_api/palpate_c.cc runtime/c_api/palpate_tick.cc
               runtime/c_api/palpate_draw.cc runtime/c_api/palpate_needle.cc
+              runtime/c_api/palpate_memory.cc runtime/c_api/palpate_memory.h
               runtime/c_api/fault_name.cc runtime/c_api/palpate.h
               runtime/c_api/palpate_draw.h runtime/c_api/palpate_needle.h)
   add_library(palpate::palpate ALIAS palpate_c)

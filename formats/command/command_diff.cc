@@ -48,6 +48,7 @@ Json difference_json(const ToolDifference& tool) {
           {"same_memory", tool.same_memory},
           {"same_puncture", tool.same_puncture},
           {"largest_compliance", tool.largest_compliance},
+          {"largest_contact", tool.largest_contact},
           {"stated_errors",
            {{"covered", tool.stated.covered},
             {"stated_over_found", tool.stated.stated_over_found},
@@ -66,9 +67,10 @@ void print_difference(const ToolDifference& tool) {
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
   fmt::print(
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
-      "the force held, coupling {:.4g} of its largest{}{}\n",
+      "the force held, coupling {:.4g} of its largest, pressure's radius or lateral "
+      "stiffness {:.4g}{}{}\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
-      tool.largest_compliance,
+      tool.largest_compliance, tool.largest_contact,
       tool.same_memory ? ""
                        : "; memory: other sites, bundles, kind of curve or yielding",
       tool.same_puncture ? "" : "; puncture: other numbers or layers");
@@ -120,8 +122,10 @@ void add_diff_command(Command app) {
   Command command = app.add_subcommand(
       "diff", "Compare the forces of two databases of one body; exit 6 if they differ");
   auto flags = std::make_shared<DiffFlags>();
-  command.add_option("first", flags->first, "Response database (HDF5)").required();
-  command.add_option("second", flags->second, "Response database (HDF5)").required();
+  command.add_option("first", flags->first, "Response database (HDF5 or flat)")
+      .required();
+  command.add_option("second", flags->second, "Response database (HDF5 or flat)")
+      .required();
   command
       .add_option("--tolerance", flags->tolerance_relative,
                   "Relative rms difference of a node's force that counts as none")

@@ -49,13 +49,18 @@ nlohmann::ordered_json page_colours() {
   return stops;
 }
 
-std::string page_info(nlohmann::ordered_json info) {
-  info["colours"] = page_colours();
-  std::string text = ascii_json_text(info);
+std::string page_json(const std::string& id, const nlohmann::ordered_json& json) {
+  std::string text = ascii_json_text(json);
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<')) {
     text.replace(at, 1, "\\u003c");  // no text ends the script
   }
-  return "<script type=\"application/json\" id=\"info\">" + text + "</script>\n";
+  return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id,
+                     text);
+}
+
+std::string page_info(nlohmann::ordered_json info) {
+  info["colours"] = page_colours();
+  return page_json("info", info);
 }
 
 std::string page_script(std::initializer_list<std::string_view> parts) {

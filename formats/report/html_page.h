@@ -32,6 +32,10 @@ template <typename T>
 /// Stops of the colour map, from 0 to 1 in equal steps, as pages know colours.
 [[nodiscard]] nlohmann::ordered_json page_colours();
 
+/// JSON for the page's script, which finds it by the id.
+[[nodiscard]] std::string page_json(const std::string& id,
+                                    const nlohmann::ordered_json& json);
+
 /// The element `info` that turnable_script reads; it asks for `box`. The colours are
 /// added.
 [[nodiscard]] std::string page_info(nlohmann::ordered_json info);

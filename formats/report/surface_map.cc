@@ -65,10 +65,14 @@ SurfaceMap node_map(const ResponseTable& table, const char* name, const char* un
 
 }  // namespace
 
+double map_depth_m(double depth_max_m) {
+  return depth_max_m > 0.0 ? round_down(depth_max_m / 2.0 * (1.0 + 1e-9)) : 1e-3;
+}
+
 SurfaceMap stiffness_map(const ResponseTable& table) {
   SurfaceMap map;
   if (!table.depth_m.empty()) {
-    map.depth_m = round_down(table.depth_max_m() / 2.0 * (1.0 + 1e-9));
+    map.depth_m = map_depth_m(table.depth_max_m());
   }
   map.name = "stiffness [N/m]";
   map.unit = "N/m";

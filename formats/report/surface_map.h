@@ -25,10 +25,13 @@ struct SurfaceMap {
   [[nodiscard]] double place(double at) const { return (at - low) / (high - low); }
 };
 
-/// f/d at a depth that is common to all nodes. The depth is half the table's largest,
-/// rounded down to 1, 2 or 5 times a power of ten. A curve that ends before that depth
-/// goes on with its end slope. The secant f/d, not the slope f': jumps of a coarse
-/// contact show in the slope, hardly in the force.
+/// The depth [m] that stiffness is shown of. It is half the largest, rounded down to 1,
+/// 2 or 5 times a power of ten. Where that is 0 it is 1 mm.
+[[nodiscard]] double map_depth_m(double depth_max_m);
+
+/// f/d at map_depth_m() of the table's largest depth, common to all nodes. A curve that
+/// ends before that depth goes on with its end slope. The secant f/d, not the slope f':
+/// jumps of a coarse contact show in the slope, hardly in the force.
 [[nodiscard]] SurfaceMap stiffness_map(const ResponseTable& table);
 
 /// The share of a held force that relaxes, sum of g_k [%].

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/QR>
 
 #include "formats/response/tangent_frame.h"
 #include "precompute/contact/contact_gap.h"
@@ -15,7 +15,12 @@ namespace palpate {
 namespace {
 
 using StuckFrame = Eigen::Matrix<double, 3, 2>;
-using PunchLoad = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+// Three tractions along x and y of the frame, and the pressure.
+constexpr Eigen::Index kTractions = 3;
+constexpr Eigen::Index kAlong = 2 * kTractions;
+constexpr Eigen::Index kLoads = kAlong + 1;
+using PunchLoad = Eigen::Matrix<double, Eigen::Dynamic, kLoads>;
+using LoadCompliance = Eigen::Matrix<double, kLoads, kLoads>;
 
 // Of a tangent's solution: residual over load, and conjugate gradients at most.
 constexpr double kTangentResidual = 1e-4;
@@ -52,13 +57,32 @@ PunchPressure punch_pressure(const ContactSurface& surface,
   return punch;
 }
 
-// The loads of tractions q along x and y of the frame, and of pressures q.
+// Shares of the nodes in contact, each column sums to 1: q, even, even at the rim,
+// which is all nodes that have a neighbour out of contact.
+Eigen::Matrix<double, Eigen::Dynamic, kTractions> tractions(
+    const ContactSurface& surface, const PunchPressure& punch) {
+  Eigen::Matrix<double, Eigen::Dynamic, kTractions> shares(punch.q.size(), kTractions);
+  for (Eigen::Index i = 0; i < punch.q.size(); ++i) {
+    const ContactNode& node = node_of(surface, punch.node[static_cast<std::size_t>(i)]);
+    const bool inside = std::ranges::all_of(node.neighbours, [&](std::int32_t other) {
+      return std::ranges::binary_search(punch.node, other);
+    });
+    shares.row(i) << punch.q[i], node.area_m2, inside ? 0.0 : node.area_m2;
+  }
+  if (!(shares.col(2).sum() > 0.0)) {
+    shares.col(2) = shares.col(1);
+  }
+  return shares.array().rowwise() / shares.colwise().sum().array();
+}
+
+// The loads of the tractions along x and y of the frame, and of the pressures q.
 // @param unknown row of a mesh node's axis, -1: held. @param rows of all.
 template <typename Unknown>
 PunchLoad punch_load(const ContactSurface& surface, const StuckFrame& frame,
                      const PunchPressure& punch, Eigen::Index rows,
                      const Unknown& unknown) {
-  PunchLoad load = PunchLoad::Zero(rows, 3);
+  PunchLoad load = PunchLoad::Zero(rows, kLoads);
+  const auto shares = tractions(surface, punch);
   for (Eigen::Index i = 0; i < punch.q.size(); ++i) {
     const ContactNode& node = node_of(surface, punch.node[static_cast<std::size_t>(i)]);
     double whole = 0.0;
@@ -66,12 +90,14 @@ PunchLoad punch_load(const ContactSurface& surface, const StuckFrame& frame,
       whole -= entry.force.dot(node.normal);
     }
     for (const NodalForce& entry : node.load) {
-      const double share = punch.q[i] * -entry.force.dot(node.normal) / whole;
+      const double share = -entry.force.dot(node.normal) / whole;
       for (int axis = 0; axis < 3; ++axis) {
         const std::int64_t row = unknown(entry.node, axis);
         if (row >= 0) {
-          load.row(row).head<2>() += share * frame.row(axis);
-          load(row, 2) += punch.q[i] * entry.force[axis];
+          for (Eigen::Index k = 0; k < kTractions; ++k) {
+            load.row(row).segment<2>(2 * k) += share * shares(i, k) * frame.row(axis);
+          }
+          load(row, kAlong) += punch.q[i] * entry.force[axis];
         }
       }
     }
@@ -79,11 +105,17 @@ PunchLoad punch_load(const ContactSurface& surface, const StuckFrame& frame,
   return load;
 }
 
-// K_t / k_n. @param C compliance among the three loads.
-Eigen::Matrix2d stiffness_ratio(const Eigen::Matrix3d& C, double rate) {
-  const double normal_n_per_m = rate * rate / C(2, 2);
-  const Eigen::Matrix2d along = 0.5 * (C + C.transpose()).topLeftCorner<2, 2>();
-  return along.inverse() / normal_n_per_m;
+// K_t / k_n.
+Eigen::Matrix2d stiffness_ratio(const LoadCompliance& C, double rate) {
+  const double normal_n_per_m = rate * rate / C(kAlong, kAlong);
+  const Eigen::Matrix<double, kAlong, kAlong> along =
+      0.5 * (C + C.transpose()).topLeftCorner<kAlong, kAlong>();
+  const Eigen::Matrix<double, kAlong, 2> sums =
+      Eigen::Matrix2d::Identity().replicate<kTractions, 1>();
+  // Of few nodes the tractions are alike: the decomposition leaves one of them out.
+  const Eigen::Matrix<double, kAlong, 2> force =
+      along.completeOrthogonalDecomposition().solve(sums);
+  return sums.transpose() * force / normal_n_per_m;
 }
 
 // x of (K + dK) x = load, with K^-1 as the preconditioner. Of a direction K p is known:
@@ -136,7 +168,7 @@ void add_lateral_states(const CholeskyFactor& factor, const Supports& supports,
   constexpr auto kD = static_cast<Eigen::Index>(kContactDepths);
   std::vector<PatchState> solved;
   std::vector<double> rate;
-  Eigen::MatrixXd load(supports.free, 3 * kD);
+  Eigen::MatrixXd load(supports.free, kLoads * kD);
   for (Eigen::Index k = 0; k < kD; ++k) {
     const std::size_t at = (n - 1) * static_cast<std::size_t>(k + 1) / kContactDepths;
     const IndentationSample& sample = indentation.sample[at];
@@ -144,7 +176,7 @@ void add_lateral_states(const CholeskyFactor& factor, const Supports& supports,
     const PunchPressure punch = punch_pressure(surface, patch, path, A,
                                                sample.pressure_n, sample.penetration_m);
     rate.push_back(punch.rate);
-    load.middleCols<3>(3 * k) = punch_load(
+    load.middleCols<kLoads>(kLoads * k) = punch_load(
         surface, frame, punch, supports.free, [&](std::int32_t node, int axis) {
           return supports.free_index[3 * static_cast<std::size_t>(node) +
                                      static_cast<std::size_t>(axis)];
@@ -153,8 +185,8 @@ void add_lateral_states(const CholeskyFactor& factor, const Supports& supports,
   const Eigen::MatrixXd moved = factor.solve(load);
   for (Eigen::Index k = 0; k < kD; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    const Eigen::Matrix3d C =
-        load.middleCols<3>(3 * k).transpose() * moved.middleCols<3>(3 * k);
+    const LoadCompliance C = load.middleCols<kLoads>(kLoads * k).transpose() *
+                             moved.middleCols<kLoads>(kLoads * k);
     solved[i].lateral = stiffness_ratio(C, rate[i]);
   }
   const double touch_m = indentation.sample.front().penetration_m;
@@ -188,8 +220,8 @@ void correct_lateral_states(const PressedState& pressed, const RestSolve& solve,
       });
   Eigen::VectorXd force_n = Eigen::VectorXd::Zero(pressed.near.size());
   pressed.near.linearise(pressed.state.displacement_m, force_n, false);
-  Eigen::Matrix3d C;
-  for (Eigen::Index k = 0; k < 3; ++k) {
+  LoadCompliance C;
+  for (Eigen::Index k = 0; k < kLoads; ++k) {
     const Eigen::VectorXd x = tangent_displacement(pressed, solve, load.col(k));
     if (x.size() == 0) {
       return;

@@ -16,14 +16,16 @@ namespace palpate {
 /// With S the nodes in contact, A their normal compliance, W that along the surface,
 /// and g their gaps' rate with the depth,
 ///
-///   q = A_SS^-1 g_S / sum,   k_n = (g^T q)^2 / (q^T A q),   K_t = (q^T W q)^-1,
+///   q = A_SS^-1 g_S / sum,   k_n = (g^T q)^2 / (q^T A q),   K_t = e^T (T^T W T)^-1 e,
 ///
-/// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S. The traction
-/// that moves S as a whole along the surface has its shape, too (Mindlin 1949). Of all
-/// tractions the true one has the least compliance. So the stiffness is at most true,
-/// and off by the square of what q is. The contact's coarseness cancels in the ratio.
-/// Like Mindlin's solution the state leaves out that tractions along the surface also
-/// move it inward. Nothing is added where the tool loses contact on its way.
+/// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S. T holds three
+/// tractions along each axis, e their sums: q, an even one, and an even one of the rim.
+/// On a half-space the traction that moves S as a whole has the shape of q (Mindlin
+/// 1949); on a thin layer it is even, and larger at the rim. Of all tractions the true
+/// one has the least compliance. So the stiffness is at most true, and off by the
+/// square of what T misses. The contact's coarseness cancels in the ratio. Like
+/// Mindlin's solution the state leaves out that tractions along the surface also move
+/// it inward. Nothing is added where the tool loses contact on its way.
 /// @param compliance with the columns of the patch.
 void add_lateral_states(const CholeskyFactor& factor, const Supports& supports,
                         const ContactSurface& surface,
@@ -39,7 +41,7 @@ struct PressedState {
   double penetration_m = 0.0;
 };
 
-/// The same ratio by the body's tangent there, C = L^T (K + dK)^-1 L of the three loads
+/// The same ratio by the body's tangent there, C = L^T (K + dK)^-1 L of the loads
 /// L, by conjugate gradients with K^-1 as preconditioner. States at depth d take
 /// 1 + (ratio there over the linear one - 1) d / depth times theirs, by the mean over
 /// directions. Nothing changes where the tangent is indefinite.

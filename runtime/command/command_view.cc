@@ -24,7 +24,7 @@
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/view/live_view.h"
-#include "runtime/view/page_assets.h"
+#include "formats/report/page_assets.h"
 #include "runtime/view/served_news.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_policy.h"
@@ -115,16 +115,6 @@ void serve(const ViewFlags& flags, const ViewedBody& body, ViewSession& session,
   server.run(stop);
 }
 
-ViewedBody viewed(const ViewFlags& flags, const ViewSession& session) {
-  return {.database = session.database(),
-          .table = session.table(),
-          .name = shown_name(flags),
-          .device = "",
-          .fast_hz = session.fast_hz(),
-          .force_max_n = flags.options.force_max_n,
-          .hands = session.hand_tables()};
-}
-
 // The page steers, on simulated time.
 void steer(const ViewFlags& flags, const ResponseDatabase& database) {
   check_stiffness_scale(flags.stiffness_scale);
@@ -136,7 +126,7 @@ void steer(const ViewFlags& flags, const ResponseDatabase& database) {
   options.surface = surface_of(surface, tables);
   ViewSession session(database, options);
   session.set({.stiffness_scale = flags.stiffness_scale});
-  serve(flags, viewed(flags, session), session);
+  serve(flags, viewed(session, shown_name(flags)), session);
   if (!flags.surface.out.empty()) {
     put_surface(session.kept(), tables, surface);
     write_surface_state(flags.surface.out, surface);
@@ -240,7 +230,7 @@ void steer_scene(const ViewFlags& flags) {
   ViewSession session(body, options);
   check_stiffness_scale(flags.stiffness_scale);
   session.set({.stiffness_scale = flags.stiffness_scale});
-  const ViewedBody shown_body = viewed_scene(scene, viewed(flags, session));
+  const ViewedBody shown_body = viewed_scene(scene, viewed(session, shown_name(flags)));
   ServedNews news(*client, elements, scene, SceneWatch(flags.database));
   serve(flags, shown_body, session, &news);
 }
@@ -312,9 +302,10 @@ void add_view_command(Command app) {
       "watch a device that presses it.");
   const auto flags = std::make_shared<ViewFlags>();
   ViewSessionOptions& options = flags->options;
-  command.add_option("database", flags->database,
-                     "Response database (HDF5), or a scene (SCENE.toml) that is "
-                     "computed while it is shown");
+  command.add_option(
+      "database", flags->database,
+      "Response database (HDF5 or flat), or a scene (SCENE.toml) that is "
+      "computed while it is shown");
   add_scene_options(command, flags->scene);
   command.add_option("--demo", flags->demo,
                      "A body without a file: cylinder, the paper's (section 5.2.4)");

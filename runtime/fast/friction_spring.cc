@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include <Eigen/LU>
+
 #include "formats/response/tangent_frame.h"
 
 namespace palpate {

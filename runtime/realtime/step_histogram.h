@@ -58,8 +58,8 @@ class StepHistogram {
       return ns;
     }
     const auto shift = static_cast<std::size_t>(std::bit_width(ns)) - 5;
-    return std::min(kBins - 1,
-                    shift * kPerOctave + static_cast<std::size_t>(ns >> shift));
+    const auto leading = static_cast<std::size_t>(ns >> shift);
+    return std::min(kBins - 1, shift * kPerOctave + leading);
   }
 
   static std::uint64_t end_ns(std::size_t bin) noexcept {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "formats/recording/kept_surface.h"
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/account/safety.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/device/device.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/realtime/spsc_ring.h"
 
 namespace palpate {

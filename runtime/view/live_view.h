@@ -8,9 +8,9 @@
 
 #include "runtime/hand/hand_tape.h"
 #include "runtime/realtime/clock.h"
-#include "runtime/view/served_news.h"
 #include "runtime/view/view_message.h"
-#include "runtime/view/view_server.h"
+#include "runtime/view/view_news.h"
+#include "runtime/view/view_outbox.h"
 #include "runtime/view/view_session.h"
 
 namespace palpate {
@@ -28,7 +28,7 @@ class LiveView : public ViewApplication {
 
   /// All must outlive the view. @param news of a body whose responses are still to
   /// come; null: it is whole.
-  LiveView(ViewSession& session, Clock& wall, ServedNews* news = nullptr)
+  LiveView(ViewSession& session, Clock& wall, ViewNews* news = nullptr)
       : session_(session), wall_(wall), news_(news) {}
 
   /// Where messages go from now on; must outlive the view, or its last call.
@@ -58,7 +58,7 @@ class LiveView : public ViewApplication {
 
   ViewSession& session_;
   Clock& wall_;
-  ServedNews* news_ = nullptr;
+  ViewNews* news_ = nullptr;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;  // by age; the first steers
   std::int64_t before_ns_ = -1;      // wall time up to which was simulated

@@ -10,7 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
-#include "formats/report/axis_ticks.h"
+#include "formats/report/surface_map.h"
 #include "formats/response/response_curve.h"
 #include "runtime/view/view_curve.h"
 
@@ -21,22 +21,19 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-double served_map_depth_m(double depth_max_m) {
-  return depth_max_m > 0.0 ? round_down(depth_max_m / 2.0 * (1.0 + 1e-9)) : 1e-3;
-}
-
 ServedNews::ServedNews(ServedClient& client, const GrowingElements& elements,
                        const ServedScene& scene, SceneWatch watch)
     : client_(client),
       elements_(elements),
       scene_(scene),
       watch_(std::move(watch)),
-      map_depth_m_(served_map_depth_m(scene.plan.depth_max_m)),
+      map_depth_m_(map_depth_m(scene.plan.depth_max_m)),
       stiffness_(static_cast<std::size_t>(scene.plan.body.position_m.rows()), kNone) {}
 
 ViewService ServedNews::service() {
   const ServiceStatus status = client_.status();
   const std::string served = client_.scene_text();
+  const QualityTicks ticks = elements_.ticks();
   return {.state = std::string(name(status.state)),
           .detail = status.detail,
           .stage = status.progress.stage,
@@ -44,7 +41,7 @@ ViewService ServedNews::service() {
           .answered = status.progress.answered,
           .finished = status.progress.finished,
           .here = std::string(name(elements_.here())),
-          .ticks = elements_.ticks(),
+          .ticks = {ticks.begin(), ticks.end()},
           .changed = watch_.changed_from(served)};
 }
 

@@ -10,13 +10,12 @@
 #include "runtime/served/growing_elements.h"
 #include "runtime/served/scene_watch.h"
 #include "runtime/served/served_client.h"
-#include "runtime/view/view_json.h"
-#include "runtime/view/view_server.h"
+#include "runtime/view/view_news.h"
 
 namespace palpate {
 
 /// One thread, the server's.
-class ServedNews {
+class ServedNews : public ViewNews {
  public:
   static constexpr std::int64_t kBatchNs = 100'000'000;  ///< between two of one page
   static constexpr std::size_t kBatch = 4000;            ///< nodes of one, at most
@@ -26,7 +25,7 @@ class ServedNews {
              const ServedScene& scene, SceneWatch watch);
 
   /// How the service is, for a frame.
-  [[nodiscard]] ViewService service();
+  [[nodiscard]] ViewService service() override;
 
   /// The next answers that have not been reported to the page, if it is time for them:
   ///
@@ -36,17 +35,14 @@ class ServedNews {
   /// stiffness [N/m] is as the map's (surface_map.h), null for an answer of no
   /// response. The range, and the largest force, are those of all answers so far.
   [[nodiscard]] std::optional<std::string> answers(ViewClient page,
-                                                   std::int64_t now_ns);
-  void forget(ViewClient page) { page_.erase(page); }
+                                                   std::int64_t now_ns) override;
+  void forget(ViewClient page) override { page_.erase(page); }
 
   /// As curve_text(), of a node's answer so far. @throws InputError for a node that is
   /// not there.
-  [[nodiscard]] std::string curve(std::int32_t node) const;
+  [[nodiscard]] std::string curve(std::int32_t node) const override;
 
-  void start_anew() { client_.start_anew(); }
-
-  /// [m] depth that stiffness is of.
-  [[nodiscard]] double map_depth_m() const noexcept { return map_depth_m_; }
+  void start_anew() override { client_.start_anew(); }
 
  private:
   struct Page {
@@ -70,8 +66,5 @@ class ServedNews {
   double high_n_per_m_ = 1.0;
   double force_max_n_ = 0.0;
 };
-
-/// The depth of the map before there are curves. @param depth_max_m of the scene.
-[[nodiscard]] double served_map_depth_m(double depth_max_m);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 
 namespace palpate {
 

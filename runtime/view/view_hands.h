@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/database/response_database.h"
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/render/contacts_seen.h"
 
 namespace palpate {

@@ -14,7 +14,6 @@
 #include "formats/report/surface_map.h"
 #include "formats/response/tool_outline.h"
 #include "runtime/realtime/clock.h"
-#include "runtime/view/served_news.h"
 #include "runtime/view/view_message.h"
 
 namespace palpate {
@@ -248,7 +247,7 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
 std::string body_text(const ViewedBody& body) {
   SurfaceMap map = stiffness_map(body.table);
   if (body.coming_to_m > 0.0) {
-    map.depth_m = served_map_depth_m(body.coming_to_m);
+    map.depth_m = map_depth_m(body.coming_to_m);
   }
   const Provenance& provenance = body.database.provenance;
   Json models = Json::array();

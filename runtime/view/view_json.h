@@ -12,9 +12,8 @@
 #include <Eigen/Core>
 
 #include "formats/database/response_database.h"
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/account/local_model.h"
-#include "runtime/served/growing_elements.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
 #include "runtime/view/view_friction.h"
@@ -80,7 +79,7 @@ struct ViewService {
   std::int64_t answered = 0;  ///< of them with one
   std::int64_t finished = 0;  ///< of them with a final one
   std::string here;           ///< what the place under the tool answers with
-  QualityTicks ticks{};       ///< in the body
+  std::vector<std::int64_t> ticks;  ///< in the body, by quality (QualityTicks)
   bool changed = false;       ///< the scene's file, since it is served
 };
 

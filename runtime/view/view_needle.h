@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "formats/recording/recording.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/fast/needle_step.h"
 #include "runtime/view/view_contact.h"
 

@@ -16,17 +16,12 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
-namespace palpate {
+#include "formats/report/page_assets.h"
+#include "runtime/view/view_outbox.h"
 
-/// A file of the page, for everybody who names the right host.
-struct ViewAsset {
-  std::string_view path;  ///< as asked for, "/page.css"
-  std::string_view content_type;
-  std::string_view bytes;  ///< must outlive the server
-};
+namespace palpate {
 
 /// Data of the database, for those with the token.
 struct ViewData {
@@ -43,38 +38,6 @@ struct ViewServerOptions {
   double messages_per_s_max = 240.0;  ///< of one client, before it is dropped
   std::vector<ViewAsset> assets = {};
   std::vector<ViewData> data = {};
-};
-
-using ViewClient = std::uint64_t;  ///< counts from 1, never used twice
-
-/// What a server is for. All calls come from the thread that runs the server.
-class ViewApplication {
- public:
-  ViewApplication() = default;
-  virtual ~ViewApplication() = default;
-  ViewApplication(const ViewApplication&) = delete;
-  ViewApplication& operator=(const ViewApplication&) = delete;
-
-  virtual void opened(ViewClient client) = 0;
-  virtual void received(ViewClient client, std::string_view text) = 0;
-  virtual void closed(ViewClient client) = 0;
-  virtual void frame() = 0;  ///< frame_hz times a second, late when the machine is
-};
-
-/// How an application speaks to its pages.
-class ViewOutbox {
- public:
-  ViewOutbox() = default;
-  virtual ~ViewOutbox() = default;
-  ViewOutbox(const ViewOutbox&) = delete;
-  ViewOutbox& operator=(const ViewOutbox&) = delete;
-
-  /// Queues a message for one client; a client with 64 of them waiting is dropped.
-  virtual void send(ViewClient client, std::string text) = 0;
-
-  /// The latest frame of a client, in place of an older one that has not left yet.
-  virtual void send_latest(ViewClient client,
-                           const std::shared_ptr<const std::string>& text) = 0;
 };
 
 /// One thread, which calls run(); the other calls may be made before it or from the

@@ -343,4 +343,14 @@ std::vector<TickRecord> ViewSession::take_ticks() {
   return std::exchange(ticks_, {});
 }
 
+ViewedBody viewed(const ViewSession& session, std::string name) {
+  return {.database = session.database(),
+          .table = session.table(),
+          .name = std::move(name),
+          .device = "",
+          .fast_hz = session.fast_hz(),
+          .force_max_n = session.options().force_max_n,
+          .hands = session.hand_tables()};
+}
+
 }  // namespace palpate

@@ -15,7 +15,8 @@
 
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
-#include "formats/recording/recording.h"
+#include "formats/recording/kept_surface.h"
+#include "formats/recording/tick_record.h"
 #include "runtime/hand/hand_tape.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/realtime/deadlines.h"
@@ -23,6 +24,7 @@
 #include "runtime/slow/element_source.h"
 #include "runtime/view/steered_body.h"
 #include "runtime/view/view_friction.h"
+#include "runtime/view/view_json.h"
 
 namespace palpate {
 
@@ -113,5 +115,8 @@ class ViewSession {
   bool rubs_ = false;  // what the page shows
   std::int64_t slow_updates_ = 0;
 };
+
+/// What pages show of a session that a page steers. @param name of the database
+[[nodiscard]] ViewedBody viewed(const ViewSession& session, std::string name);
 
 }  // namespace palpate

@@ -32,7 +32,7 @@ void count(ViewRun& run, const TickRecord& tick) {
 }  // namespace
 
 WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
-                     TickQueue& ticks, ServedNews* news)
+                     TickQueue& ticks, ViewNews* news)
     : body_(body),
       search_(body.database.body),
       ticks_(ticks),

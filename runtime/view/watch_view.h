@@ -9,10 +9,10 @@
 #include "formats/mesh/surface_search.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/run/render_run.h"
-#include "runtime/view/served_news.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_message.h"
-#include "runtime/view/view_server.h"
+#include "runtime/view/view_news.h"
+#include "runtime/view/view_outbox.h"
 
 namespace palpate {
 
@@ -24,7 +24,7 @@ class WatchView : public ViewApplication {
   /// What `options` has of several contacts, needles and friction, likewise. @param
   /// news of a body whose responses come meanwhile; else null.
   WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks,
-            ServedNews* news = nullptr);
+            ViewNews* news = nullptr);
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -47,7 +47,7 @@ class WatchView : public ViewApplication {
   NeedleWatch* needle_;
   FrictionWatch* rubbed_;
   FrictionTrail friction_;
-  ServedNews* news_;
+  ViewNews* news_;
   MonotonicClock clock_;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;

@@ -1,6 +1,7 @@
 // Mouse, wheel and keys: orbit, press, slide, pick.
 
 const kClickPixels = 4;
+const kTapMs = 250;
 const kTurnPerPixel = 0.008;  // [rad]
 const kStepRad = Math.PI / 36;
 
@@ -11,12 +12,25 @@ function listenToPointer(app) {
   const { view } = app;
   const canvas = get("canvas");
   let down = null;
+  if (matchMedia("(pointer: coarse)").matches) {
+    get("hint").textContent = "a finger on the body presses · beside it turns · two zoom · a tap picks a node";
+  }
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus();
+    if (!event.isPrimary && down?.press) {  // a second finger: the hand is for the view
+      app.letActiveGo();
+      down = null;
+      view.orbit.enabled = true;
+      return;
+    }
     const left = event.button === 0;
     const over = view.overTool(event);
     const turn = left && event.ctrlKey && app.grip !== null;
-    down = { x: event.clientX, y: event.clientY, turn, press: left && !turn && (event.shiftKey || over >= 0) };
+    const finger = event.pointerType === "touch" && view.hit(event) !== null;
+    down = {
+      x: event.clientX, y: event.clientY, since: event.timeStamp, finger, turn,
+      press: left && !turn && (event.shiftKey || finger || over >= 0),
+    };
     view.orbit.enabled = !down.press && !down.turn;
     if (down.turn || down.press) {
       app.reachFor(over);
@@ -45,9 +59,11 @@ function listenToPointer(app) {
       return;
     }
     const moved = Math.hypot(event.clientX - down.x, event.clientY - down.y);
+    const tap = down.finger && moved < 3 * kClickPixels && event.timeStamp - down.since < kTapMs;
     if (down.press) {
       app.letActiveGo();
-    } else if (!down.turn && moved < kClickPixels && event.button === 0) {
+    }
+    if (tap || (!down.press && !down.turn && moved < kClickPixels && event.button === 0)) {
       pick(app, view.hit(event));
     }
     down = null;

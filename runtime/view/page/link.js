@@ -1,29 +1,5 @@
-// The connection to the runtime: a token from the address, data, and a socket that comes
-// back by itself.
-
-const kTokenKey = "palpate-token";
-
-// Taken out of the address, so that it stands in no history and no screenshot.
-function takeToken() {
-  const inAddress = location.hash.slice(1);
-  if (/^[0-9a-f]{32}$/.test(inAddress)) {
-    sessionStorage.setItem(kTokenKey, inAddress);
-    history.replaceState(null, "", location.pathname);
-  }
-  return sessionStorage.getItem(kTokenKey) ?? "";
-}
-
-const token = takeToken();
-
-async function data(path) {
-  const answer = await fetch(path, { headers: { Authorization: `Bearer ${token}` } });
-  if (!answer.ok) {
-    throw new Error(answer.status === 403
-      ? "The address lacks its token: open it as palpate-run view printed it."
-      : `${path}: ${answer.status}`);
-  }
-  return answer;
-}
+// The connection to the runtime, whatever lies between (transport.js).
+import { connect, data } from "/transport.js";
 
 // What does not change, and the body: { text, position, normal, stiffness,
 // height, triangle }.
@@ -52,28 +28,16 @@ export async function fetchBody() {
 // Calls on[type](message) for every message, and on.gone() when there is no connection.
 export class Link {
   constructor(on) {
-    this.on = on;
-    this.open();
+    this.leave = connect({
+      text: (text) => {
+        const message = JSON.parse(text);
+        on[message.type]?.(message);
+      },
+      gone: () => on.gone(),
+    });
   }
 
-  open() {
-    this.socket = new WebSocket(`ws://${location.host}/live`, ["palpate.1", token]);
-    this.socket.onmessage = (event) => {
-      const message = JSON.parse(event.data);
-      this.on[message.type]?.(message);
-    };
-    this.socket.onclose = () => {
-      this.on.gone();
-      setTimeout(() => this.open(), 1000);
-    };
-  }
-
-  send(message) {
-    if (this.socket.readyState === WebSocket.OPEN) {
-      this.socket.send(JSON.stringify(message));
-    }
-  }
-
+  send(message) { this.leave(JSON.stringify(message)); }
   set(settings) { this.send({ type: "set", ...settings }); }
   run(what) { this.send({ type: "run", do: what }); }
   node(node) { this.send({ type: "node", node }); }
