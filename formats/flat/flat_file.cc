@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/flat/flat_directory.h"
 
 namespace palpate {
@@ -211,7 +212,7 @@ std::unique_ptr<const StoredDataset> FlatFile::dataset(const std::string& path) 
 }  // namespace
 
 std::unique_ptr<const StoredFile> open_flat(const std::filesystem::path& file) {
-  return std::make_unique<const FlatFile>(file.string(),
+  return std::make_unique<const FlatFile>(utf8_of(file),
                                           std::make_unique<const BytesOnDisk>(file));
 }
 
