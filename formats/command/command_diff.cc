@@ -48,6 +48,7 @@ Json difference_json(const ToolDifference& tool) {
           {"same_memory", tool.same_memory},
           {"same_puncture", tool.same_puncture},
           {"largest_compliance", tool.largest_compliance},
+          {"largest_contact", tool.largest_contact},
           {"stated_errors",
            {{"covered", tool.stated.covered},
             {"stated_over_found", tool.stated.stated_over_found},
@@ -66,9 +67,10 @@ void print_difference(const ToolDifference& tool) {
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
   fmt::print(
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
-      "the force held, coupling {:.4g} of its largest{}{}\n",
+      "the force held, coupling {:.4g} of its largest, pressure's radius or lateral "
+      "stiffness {:.4g}{}{}\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
-      tool.largest_compliance,
+      tool.largest_compliance, tool.largest_contact,
       tool.same_memory ? ""
                        : "; memory: other sites, bundles, kind of curve or yielding",
       tool.same_puncture ? "" : "; puncture: other numbers or layers");

@@ -131,6 +131,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
   result.same_memory = same_memory(a.viscoelasticity, b.viscoelasticity);
   result.same_puncture = same(a.puncture, b.puncture);
   result.largest_compliance = relative_difference(a.compliance, b.compliance);
+  result.largest_contact = relative_difference(a.contact, b.contact);
   double squares = 0.0;
   std::vector<NodeDifference> nodes;
   for (std::int64_t i = 0; i < a.nodes(); ++i) {
@@ -213,6 +214,7 @@ bool ToolDifference::agrees(double tolerance_relative) const {
          largest_relative_rms <= tolerance_relative && same_memory && same_puncture &&
          largest_relaxation <= tolerance_relative &&
          largest_compliance <= tolerance_relative &&
+         largest_contact <= tolerance_relative &&
          largest_direction_rad <= tolerance_relative;
 }
 

@@ -54,6 +54,7 @@ struct ToolDifference {
   bool same_memory = true;    ///< sites, bundles, of which press curves are, yielding
   bool same_puncture = true;  ///< what a needle breaks, cuts and rubs against
   double largest_compliance = 0.0;  ///< [-] of the first's largest; 1: one has none
+  double largest_contact = 0.0;     ///< [-] of pressures' radii, lateral stiffnesses
   StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 

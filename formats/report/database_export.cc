@@ -1,6 +1,7 @@
 #include "formats/report/database_export.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <span>
@@ -11,6 +12,7 @@
 
 #include "formats/base/json_text.h"
 #include "formats/database/vtk_cells.h"
+#include "formats/report/contact_columns.h"
 
 namespace palpate {
 namespace {
@@ -89,6 +91,30 @@ void puncture_data(Out out, const ResponseTable& table) {
   data_array(out, "Int32", "layer_material", layers, material);
 }
 
+void contact_data(Out out, const ResponseTable& table) {
+  const auto last = [&](std::int64_t node) {
+    return table.curve(node).depth_m.size() - 1;
+  };
+  const auto pressed = [&](std::int64_t node) {
+    return !table.curve(node).depth_m.empty();
+  };
+  if (table.contact.has_pressure()) {
+    data_array(out, "Float64", "contact_radius_m", 1,
+               of_nodes(table, [&](std::int64_t node) {
+                 return pressed(node) ? contact_radius_m(table, node, last(node)) : 0.0;
+               }));
+  }
+  if (table.contact.has_lateral()) {
+    std::vector<double> rows;
+    for (std::int64_t i = 0; i < table.nodes(); ++i) {
+      const std::array<double, 3> row =
+          pressed(i) ? lateral_n_per_m(table, i, last(i)) : std::array<double, 3>{};
+      rows.insert(rows.end(), row.begin(), row.end());
+    }
+    data_array(out, "Float64", "lateral_n_per_m", 3, rows);
+  }
+}
+
 // "plastic_share" of "/plastic/share".
 std::string column_name(std::string dataset) {
   std::replace(dataset.begin(), dataset.end(), '/', '_');
@@ -131,6 +157,7 @@ void point_data(Out out, const ResponseTable& table) {
                std::span(coupling.value.data(),
                          static_cast<std::size_t>(coupling.value.size())));
   }
+  contact_data(out, table);
   puncture_data(out, table);
   fmt::format_to(out, "</PointData>\n");
 }
@@ -203,7 +230,7 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
       fmt::format_to(out, ",{}", column_name(name));
     }
   });
-  text += puncture_head(table.puncture) + '\n';
+  text += puncture_head(table.puncture) + contact_columns(table.contact) + '\n';
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto x = database.body.position_m.row(i);
     const CurveView curve = table.curve(i);
@@ -221,9 +248,9 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
     });
     shares += puncture_values(table.puncture, i);
     for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {
-      fmt::format_to(out, "{},{},{},{},{},{},{},{}{}\n", i, x[0], x[1], x[2],
+      fmt::format_to(out, "{},{},{},{},{},{},{},{}{}{}\n", i, x[0], x[1], x[2],
                      curve.depth_m[k], curve.force_n[k], curve.stiffness_n_per_m[k],
-                     curve.energy_j[k], shares);
+                     curve.energy_j[k], shares, contact_values(table, i, k));
     }
   }
   return text;
@@ -287,6 +314,18 @@ Json to_json(const Viscoelasticity& relaxation) {
   return json;
 }
 
+// Pressure's radius and lateral stiffness at every sample.
+void add_contact(const ResponseTable& table, std::int64_t node, Json& response) {
+  for (std::size_t k = 0; k < table.curve(node).depth_m.size(); ++k) {
+    if (table.contact.has_pressure()) {
+      response["contact_radius_m"].push_back(contact_radius_m(table, node, k));
+    }
+    if (table.contact.has_lateral()) {
+      response["lateral_n_per_m"].push_back(lateral_n_per_m(table, node, k));
+    }
+  }
+}
+
 }  // namespace
 
 std::string to_json_text(const ResponseDatabase& database, const ResponseTable& table) {
@@ -308,6 +347,7 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
                      {"force_n", curve.force_n},
                      {"stiffness_n_per_m", curve.stiffness_n_per_m},
                      {"energy_j", curve.energy_j}});
+    add_contact(table, i, nodes.back());
   }
   Json report = {{"tool",
                   {{"name", table.tool.name},

@@ -149,6 +149,37 @@ Eigen::Matrix2d lateral_at(const ContactTable& table, Eigen::Index row, double s
   return tensor_at(table.lateral, row, Between::at(share));
 }
 
+double relative_difference(const ContactTable& a, const ContactTable& b) {
+  if (a.has_pressure() != b.has_pressure() || a.has_lateral() != b.has_lateral() ||
+      a.moment_m2.rows() != b.moment_m2.rows() ||
+      a.lateral.rows() != b.lateral.rows()) {
+    return 1.0;
+  }
+  double largest = 0.0;
+  const auto each = [&](const RowsOf<float>& one, const RowsOf<float>& other,
+                        const auto& off) {
+    for (Eigen::Index i = 0; i < one.rows(); ++i) {
+      if (is_zero(one, i) || is_zero(other, i)) {
+        largest = is_zero(one, i) == is_zero(other, i) ? largest : 1.0;
+        continue;
+      }
+      for (const double share : kContactDepthShares) {
+        largest = std::max(largest, off(i, share));
+      }
+    }
+  };
+  each(a.moment_m2, b.moment_m2, [&](Eigen::Index i, double share) {
+    return std::abs(pressure_at(b, i, share, 1.0).radius_m() /
+                        pressure_at(a, i, share, 1.0).radius_m() -
+                    1.0);
+  });
+  each(a.lateral, b.lateral, [&](Eigen::Index i, double share) {
+    const Eigen::Matrix2d one = lateral_at(a, i, share);
+    return (lateral_at(b, i, share) - one).norm() / one.norm();
+  });
+  return largest;
+}
+
 std::string describe(const ContactTable& table) {
   std::string text = table.has_pressure() ? "pressure under the contact" : "";
   if (!table.has_lateral()) {

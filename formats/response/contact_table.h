@@ -104,6 +104,11 @@ struct ContactPressure {
 [[nodiscard]] Eigen::Matrix2d lateral_at(const ContactTable& table, Eigen::Index row,
                                          double share);
 
+/// [-] Largest difference of two tables at the stored depths, over the first's: of the
+/// pressure's radius, and of S by its Frobenius norm. 1: one of them lacks a part or a
+/// row.
+[[nodiscard]] double relative_difference(const ContactTable& a, const ContactTable& b);
+
 /// One line for people, or empty.
 [[nodiscard]] std::string describe(const ContactTable& table);
 

@@ -17,10 +17,15 @@ public static class LoopTests
         public int Reads, Zeros;
         public Wrench Last;
         public string Throws;
+        public HapticLoop Stops;
 
         public ToolPose Read()
         {
             ++Reads;
+            if (Stops != null)
+            {
+                Stops.Stop();
+            }
             if (Throws != null)
             {
                 throw new InvalidOperationException(Throws);
@@ -152,6 +157,12 @@ public static class LoopTests
             WaitUntil(() => loop.Failure != null, "goes on");
             Check.Equal("unplugged", loop.Failure);
             Check.True(!loop.Running && device.Zeros == 2, "zeros " + device.Zeros);
+            device.Throws = null;
+            loop.Start();
+            WaitUntil(() => device.Reads > 20, "does not start anew");
+            Check.Equal(null, loop.Failure);
+            device.Stops = loop;
+            WaitUntil(() => !loop.Running, "a device cannot stop it");
             Check.Throws<ArgumentException>(() => new HapticLoop(tool, device, 1e5), "10000");
             Check.Throws<ArgumentNullException>(() => new HapticLoop(tool, null));
         }

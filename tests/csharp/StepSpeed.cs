@@ -1,9 +1,11 @@
 using System;
 using System.Diagnostics;
 using System.Globalization;
+using System.Threading;
 using Palpate;
 
-/// <summary>What a step costs from C and from C#, by turns.</summary>
+/// <summary>What a step costs from C and from C#, by turns; and how even a loop's ticks are.
+/// </summary>
 public static class StepSpeed
 {
     private const int Count = 1000000;
@@ -25,7 +27,43 @@ public static class StepSpeed
                 "{0}: C {1:F0} ns, C# {2:F0} ns a step, ratio {3:F3} (best of 7 of {4} steps)", file,
                 c, managed, managed / c, Count));
         }
+        Loop(false);
+        Loop(true);
         return 0;
+    }
+
+    private sealed class Still : IHapticDevice
+    {
+        public ToolPose Read() { return new ToolPose(Hand.Over(0.002)); }
+
+        public void Write(Wrench wrench) { }
+    }
+
+    // Five seconds, with a second thread that draws 100 frames a second, or also makes garbage.
+    private static void Loop(bool garbage)
+    {
+        int collections = GC.CollectionCount(0), kept = 0;
+        using (Body body = new Body(Given.File("plate.h5")))
+        using (Tool tool = body.AddTool())
+        using (HapticLoop loop = new HapticLoop(tool, new Still()))
+        {
+            loop.Start();
+            for (int frame = 0; frame < 500; ++frame)
+            {
+                Thread.Sleep(10);
+                loop.Latest();
+                for (int i = 0; garbage && i < 1000; ++i)
+                {
+                    kept += new object[20].Length;
+                }
+            }
+            HapticFrame last = loop.Latest();
+            Console.WriteLine(string.Format(
+                CultureInfo.InvariantCulture,
+                "loop{0}: {1} ticks in 5 s, longest gap {2:F2} ms, {3} collections",
+                garbage ? " beside garbage" : "", last.State.Ticks, 1e3 * last.LongestGapS,
+                GC.CollectionCount(0) - collections));
+        }
     }
 
     // print_speed() of host.c.

@@ -7,7 +7,7 @@
 
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
-#include "tests/support/small_database.h"
+#include "tests/support/contact_database.h"
 
 namespace palpate {
 namespace {
@@ -81,6 +81,26 @@ TEST(DatabaseDifference, ListsTheNodeThatWasChangedFirst) {
   EXPECT_EQ(found[1].worst[0].node, 3);
   EXPECT_NEAR(found[1].worst[0].relative_rms, 0.5, 1e-12);
   EXPECT_EQ(found[1].worst[1].relative_rms, 0.0);
+}
+
+// A tenth more lateral stiffness, or a radius of the pressure that is a tenth larger.
+TEST(DatabaseDifference, ComparesContacts) {
+  const ResponseDatabase a = with_contacts();
+  EXPECT_EQ(difference(a, a, 1).front().largest_contact, 0.0);
+  ResponseDatabase stiffer = a;
+  stiffer.tools.front().contact.lateral.row(2) *= 1.1F;
+  EXPECT_NEAR(difference(a, stiffer, 1).front().largest_contact, 0.1, 1e-6);
+  EXPECT_FALSE(difference(a, stiffer, 1).front().agrees(0.09));
+  EXPECT_TRUE(difference(a, stiffer, 1).front().agrees(0.11));
+  ResponseDatabase wider = a;
+  wider.tools.front().contact.moment_m2.row(1) *= 1.21F;
+  EXPECT_NEAR(difference(a, wider, 1).front().largest_contact, 0.1, 1e-6);
+  ResponseDatabase without = a;
+  without.tools.front().contact.lateral.resize(0, 0);
+  EXPECT_EQ(difference(a, without, 1).front().largest_contact, 1.0);
+  ResponseDatabase hole = a;
+  hole.tools.front().contact.lateral.row(2).setZero();
+  EXPECT_EQ(difference(a, hole, 1).front().largest_contact, 1.0);
 }
 
 TEST(DatabaseDifference, OtherBodiesAreRefusedWithTheNode) {

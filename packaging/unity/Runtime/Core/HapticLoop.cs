@@ -77,12 +77,14 @@ namespace Palpate
 
         public bool Running { get { return running; } }
 
+        /// <summary>Nothing where it runs already; anew where a failure ended it.</summary>
         public void Start()
         {
-            if (thread != null)
+            if (running)
             {
                 return;
             }
+            Stop();
             failure = null;
             longestGapS = 0.0;
             running = true;
@@ -93,11 +95,12 @@ namespace Palpate
             thread.Start();
         }
 
-        /// <summary>Waits for the tick that is under way. The device has got zeros then.</summary>
+        /// <summary>Waits for the tick that is under way. The device has got zeros then. A device
+        /// that calls it gets them after its own tick.</summary>
         public void Stop()
         {
             running = false;
-            if (thread != null)
+            if (thread != null && thread != Thread.CurrentThread)
             {
                 thread.Join();
                 thread = null;
