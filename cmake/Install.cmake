@@ -24,7 +24,7 @@ install(TARGETS palpate_c EXPORT palpate
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
                 NAMELINK_COMPONENT dev)
 install(FILES runtime/c_api/palpate.h runtime/c_api/palpate_draw.h
-              runtime/c_api/palpate_needle.h runtime/c_api/palpate.hpp
+              runtime/c_api/palpate_needle.h runtime/c_api/palpate_memory.h runtime/c_api/palpate.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
 install(EXPORT palpate NAMESPACE palpate:: FILE palpateConfig.cmake

@@ -9,6 +9,13 @@ elseif(UNIX)
 else()
   set(PALPATE_OTHER_PLATFORMS "_(posix|windows)\\.cc$")
 endif()
+# Without HDF5 databases are flat files alone (formats/flat/FLAT.md), and nothing is recorded.
+option(PALPATE_HDF5 "Read and write HDF5" ON)
+if(PALPATE_HDF5)
+  set(PALPATE_OTHER_FORMS "without_hdf5\\.cc$")
+else()
+  set(PALPATE_OTHER_FORMS "/hdf5/hdf5_[a-z]+\\.cc$|/recording/recording(_writer)?\\.cc$|/afm_file\\.cc$")
+endif()
 
 # palpate_units(<target> <source>...): with PALPATE_UNITY the sources become the fewest
 # translation units of equal size: headers, and what they instantiate, are paid once a unit.
@@ -52,9 +59,9 @@ function(palpate_library name)
     list(APPEND sources ${found})
   endforeach()
   # Of the shared library, of the front program and of the page's module alone.
-  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|main)|fault_name|page_module)\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|memory|main)|fault_name|page_module)\\.cc$")
   list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_PLATFORMS}")
-  list(FILTER sources EXCLUDE REGEX "_without_hdf5\\.cc$|/without_hdf5\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_FORMS}")
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})

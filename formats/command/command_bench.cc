@@ -87,7 +87,8 @@ void add_bench_command(Command app) {
   Command precision = command.add_subcommand(
       "precision", "Size, time and error of every way to store a database");
   auto flags = std::make_shared<BenchFlags>();
-  precision.add_option("file", flags->file, "Response database (HDF5)").required();
+  precision.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   precision
       .add_option(
           "--budget", flags->budget_relative,

@@ -68,7 +68,8 @@ void add_check_command(Command app) {
   Command command = app.add_subcommand(
       "check", "Verify a response database: format, digest, physics of every curve");
   auto flags = std::make_shared<CheckFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     run_check(*flags);

@@ -122,8 +122,10 @@ void add_diff_command(Command app) {
   Command command = app.add_subcommand(
       "diff", "Compare the forces of two databases of one body; exit 6 if they differ");
   auto flags = std::make_shared<DiffFlags>();
-  command.add_option("first", flags->first, "Response database (HDF5)").required();
-  command.add_option("second", flags->second, "Response database (HDF5)").required();
+  command.add_option("first", flags->first, "Response database (HDF5 or flat)")
+      .required();
+  command.add_option("second", flags->second, "Response database (HDF5 or flat)")
+      .required();
   command
       .add_option("--tolerance", flags->tolerance_relative,
                   "Relative rms difference of a node's force that counts as none")

@@ -1,5 +1,5 @@
-// palpate-db export: a database as VTU, CSV or JSON, its pressure laws, or the taxels
-// under its tool.
+// palpate-db export: a database as VTU, CSV or JSON, its pressure laws, the taxels
+// under its tool, or the whole of it as a flat file.
 #include <charconv>
 #include <filesystem>
 #include <functional>
@@ -26,6 +26,7 @@ namespace {
 struct ExportFlags {
   std::string file;
   std::string output;
+  std::string flat;
   std::string tool;
   bool pressure_law = false;
   std::string taxels;  // "16x16": columns, rows
@@ -106,22 +107,47 @@ Export export_of(const ExportFlags& flags) {
                                output, extension));
 }
 
+void print_export(const std::string& output, const ResponseDatabase& database,
+                  bool json) {
+  const std::uintmax_t bytes = std::filesystem::file_size(output);
+  const auto nodes = database.body.position_m.rows();
+  if (json) {
+    const nlohmann::ordered_json report = {
+        {"output", output}, {"nodes", nodes}, {"bytes", bytes}};
+    fmt::print("{}\n", json_text(report));
+  } else {
+    fmt::print("wrote {}: {} nodes, {} bytes\n", output, nodes, bytes);
+  }
+}
+
+// The whole database, all tools.
+void run_flat(const ExportFlags& flags) {
+  if (!flags.output.empty() || !flags.tool.empty() || flags.pressure_law ||
+      !flags.taxels.empty()) {
+    throw InputError(
+        "--flat writes the whole database: it goes without --output, "
+        "--tool, --pressure-law and --taxels");
+  }
+  const ResponseDatabase database = read_database(flags.file);
+  write_database(flags.flat, database, StoredForm::kFlat);
+  print_export(flags.flat, database, flags.json);
+}
+
 void run_export(const ExportFlags& flags) {
+  if (!flags.flat.empty()) {
+    run_flat(flags);
+    return;
+  }
+  if (flags.output.empty()) {
+    throw InputError("where to write must be named: --output FILE, or --flat FILE");
+  }
   const Export text_of = export_of(flags);
   const ResponseDatabase database = read_database(flags.file);
   const std::string text = text_of(database, find_tool(database, flags.tool));
   AtomicFile file(flags.output);
   file.write(std::as_bytes(std::span(text)));
   file.commit();
-  if (flags.json) {
-    const nlohmann::ordered_json report = {{"output", flags.output},
-                                           {"nodes", database.body.position_m.rows()},
-                                           {"bytes", text.size()}};
-    fmt::print("{}\n", json_text(report));
-  } else {
-    fmt::print("wrote {}: {} nodes, {} bytes\n", flags.output,
-               database.body.position_m.rows(), text.size());
-  }
+  print_export(flags.output, database, flags.json);
 }
 
 }  // namespace
@@ -130,9 +156,12 @@ void add_export_command(Command app) {
   Command command =
       app.add_subcommand("export", "Write a tool's responses as VTU, CSV or JSON");
   auto flags = std::make_shared<ExportFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
-  command.add_option("-o,--output", flags->output, "File to write: .vtu, .csv or .json")
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
       .required();
+  command.add_option("-o,--output", flags->output,
+                     "File to write: .vtu, .csv or .json");
+  command.add_option("--flat", flags->flat,
+                     "Write the whole database as a flat file instead: FLAT.md");
   command.add_option("--tool", flags->tool, "Tool, if there are several");
   command.add_flag(
       "--pressure-law", flags->pressure_law,

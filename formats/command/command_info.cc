@@ -286,7 +286,8 @@ void run_info(const InfoFlags& flags) {
 void add_info_command(Command app) {
   Command command = app.add_subcommand("info", "Say what a response database holds");
   auto flags = std::make_shared<InfoFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     run_info(*flags);

@@ -41,7 +41,8 @@ void add_picture_command(Command app) {
   Command command = app.add_subcommand(
       "picture", "Draw the body in colours and a few curves as an SVG picture");
   auto flags = std::make_shared<PictureFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   command.add_option("-o,--output", flags->output, "Picture to write (SVG)").required();
   command.add_option("--tool", flags->tool, "Tool, if the database holds several");
   command

@@ -43,7 +43,8 @@ void add_report_command(Command app) {
   Command command = app.add_subcommand(
       "report", "Write a page for a browser: turnable body, curves, provenance");
   auto flags = std::make_shared<ReportFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   command.add_option("-o,--output", flags->output, "Page to write (HTML)").required();
   command
       .add_option("--nodes", flags->nodes,

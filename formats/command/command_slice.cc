@@ -77,7 +77,8 @@ void add_slice_command(Command app) {
   Command command =
       app.add_subcommand("slice", "Write a part of a database, or store it otherwise");
   auto flags = std::make_shared<SliceFlags>();
-  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("file", flags->file, "Response database (HDF5 or flat)")
+      .required();
   command.add_option("-o,--output", flags->output, "Database to write").required();
   command.add_option("--tool", flags->tools, "Tool to keep; may be repeated");
   command.add_option("--box-m", flags->box_m, "Region: x y z of both corners [m]")

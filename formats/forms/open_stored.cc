@@ -54,7 +54,7 @@ FileBegin begin_of(std::span<const std::byte> bytes) {
 }  // namespace
 
 std::unique_ptr<const StoredFile> open_stored(const StoredSource& source) {
-  const std::string name = source.path().string();
+  const std::string name = source.name();
   const FileBegin begin =
       source.in_memory() ? begin_of(source.bytes()) : begin_of(source.path());
   if (begin.magic == kFlatMagic) {

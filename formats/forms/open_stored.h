@@ -28,6 +28,7 @@ class StoredSource {
       : path_(std::move(name)), bytes_(bytes), in_memory_(true) {}
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  [[nodiscard]] std::string name() const { return path_.string(); }
   [[nodiscard]] bool in_memory() const noexcept { return in_memory_; }
   [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
 

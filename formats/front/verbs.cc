@@ -37,7 +37,8 @@ const Verb* find_verb(std::string_view name) {
 std::string_view tool_for(const Verb& verb, std::span<const char* const> arguments) {
   const bool database =
       std::any_of(arguments.begin(), arguments.end(), [](std::string_view word) {
-        return word.ends_with(".h5") || word.ends_with(".hdf5");
+        return word.ends_with(".h5") || word.ends_with(".hdf5") ||
+               word.ends_with(".palpate");
       });
   return verb.name == "check" && database ? "palpate-db" : verb.tool;
 }

@@ -3,6 +3,8 @@
 #include "python/binding/held_database.h"
 
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -30,6 +32,14 @@ using Held = std::shared_ptr<HeldDatabase>;
 Held open(const std::filesystem::path& file) {
   const py::gil_scoped_release released;
   return std::make_shared<HeldDatabase>(HeldDatabase{read_database(file)});
+}
+
+// What a path is made of may be bytes, too: these are a database's.
+Held open_bytes(const py::bytes& bytes) {
+  const std::string_view all(bytes);
+  const py::gil_scoped_release released;
+  return std::make_shared<HeldDatabase>(
+      HeldDatabase{read_database(StoredSource(std::as_bytes(std::span(all))))});
 }
 
 void save(const Held& held, const std::filesystem::path& file) {
@@ -105,10 +115,13 @@ void bind_database(py::module_& module) {
       "The named tool, or the only one. InputError names the tools that there are.");
   type.def("save", &save, py::arg("file"),
            "Writes the database; the file is there whole or not at all.");
-  module.def(
-      "open", &open, py::arg("file"),
-      "Reads and checks a response database; nodes in the order of the source.\n\n"
-      "InputError: no such file. FormatError: foreign, truncated or damaged.");
+  constexpr const char* kOpen =
+      "Reads and checks a response database, HDF5 or flat, by its path or of its "
+      "bytes; "
+      "nodes in the order of the source.\n\n"
+      "InputError: no such file. FormatError: foreign, truncated or damaged.";
+  module.def("open", &open_bytes, py::arg("file"), kOpen);
+  module.def("open", &open, py::arg("file"), kOpen);
 }
 
 }  // namespace palpate

@@ -45,12 +45,20 @@ std::string damage_of(const ContactStream* contacts) {
 
 }  // namespace
 
-HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options)
-    : options_(options), file_(options.scene ? std::filesystem::path() : file) {
+HostBody::HostBody(const StoredSource& file, const HostOptions& options)
+    : options_(options) {
   check(options_);
   if (options_.scene) {
-    open_scene(file);
-  } else if (options_.streamed) {
+    if (file.in_memory()) {
+      throw InputError("a scene is opened by the name of its file, not by its bytes");
+    }
+    open_scene(file.path());
+    begin();
+    return;
+  }
+  file_ = file.name();
+  sha256_ = database_sha256(file);
+  if (options_.streamed) {
     source_ =
         responses_in_file(file, CacheOptions{}.budget_bytes, !options_.own_slow_steps);
     open_responses();

@@ -40,9 +40,11 @@ class HostBody {
   /// Of a scene: waits for its service's first message. @throws InputError,
   /// FormatError; InputError for a body that is stiffer than the device can render,
   /// unless options.limit_stiffness.
-  HostBody(const std::filesystem::path& file, const HostOptions& options);
+  /// Bytes in memory are read meanwhile alone; with options.streamed they must outlive
+  /// the body. @throws InputError for a scene in memory.
+  HostBody(const StoredSource& file, const HostOptions& options);
 
-  /// Of a database in memory, which file() does not name.
+  /// Of a database in memory, which no file holds.
   /// @throws InputError as above, and for options.streamed.
   HostBody(std::shared_ptr<const ResponseDatabase> database,
            const HostOptions& options);
@@ -77,7 +79,10 @@ class HostBody {
   [[nodiscard]] SlowFailure slow_failure();
 
   [[nodiscard]] const HostOptions& options() const noexcept { return options_; }
-  [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
+  /// What the database was opened by, and its content's digest; empty of a scene, and
+  /// of a database that no file holds.
+  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] const std::string& sha256() const noexcept { return sha256_; }
   /// Of the tool that all tools of the body are.
   [[nodiscard]] const std::string& tool_name() const noexcept { return tool_name_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
@@ -148,7 +153,8 @@ class HostBody {
   void run() noexcept;
 
   HostOptions options_;
-  std::filesystem::path file_;
+  std::string file_;
+  std::string sha256_;
   std::string tool_name_;
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1

@@ -28,7 +28,7 @@ struct palpate_tool {
 };
 
 struct palpate_body {
-  palpate_body(const char* file, const palpate::HostOptions& options)
+  palpate_body(const palpate::StoredSource& file, const palpate::HostOptions& options)
       : body(file, options) {}
   palpate::HostBody body;
   std::mutex mutex;  // of `tools`

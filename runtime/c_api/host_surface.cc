@@ -3,19 +3,18 @@
 #include <string>
 
 #include "formats/base/error.h"
-#include "formats/forms/open_stored.h"
 #include "formats/recording/recording.h"
 
 namespace palpate {
 namespace {
 
 SurfaceState read_state(const HostBody& body, const std::filesystem::path& file) {
-  if (body.file().empty()) {
+  if (body.sha256().empty()) {
     throw InputError(
         "a database in memory has no file that a surface could belong to: render its "
         "file");
   }
-  return read_surface_state(file, database_sha256(body.file()), body.file());
+  return read_surface_state(file, body.sha256(), body.file());
 }
 
 }  // namespace
@@ -23,12 +22,12 @@ SurfaceState read_state(const HostBody& body, const std::filesystem::path& file)
 void save_surface(const HostBody& body, const HostTool& tool,
                   const std::filesystem::path& file) {
   SurfaceState surface;
-  if (body.file().empty() || std::filesystem::exists(file)) {
+  if (body.sha256().empty() || std::filesystem::exists(file)) {
     surface = read_state(body, file);
   }
   surface.writer = "libpalpate " PALPATE_VERSION;
-  surface.database = body.file().filename();
-  surface.database_sha256 = database_sha256(body.file());
+  surface.database = std::filesystem::path(body.file()).filename();
+  surface.database_sha256 = body.sha256();
   put_surface(tool.kept(), tool.tables(), surface);
   write_surface_state(file, surface);
 }

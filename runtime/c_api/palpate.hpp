@@ -1,5 +1,5 @@
-// palpate for C++ (C++17, header-only): palpate.h, palpate_draw.h and palpate_needle.h
-// with owners, exceptions and arrays.
+// palpate for C++ (C++17, header-only): palpate.h, palpate_draw.h, palpate_needle.h and
+// palpate_memory.h with owners, exceptions and arrays.
 //
 //   palpate::Body body("liver.h5");
 //   palpate::Tool tool = body.add_tool();
@@ -14,6 +14,7 @@
 #define PALPATE_HPP
 
 #include "palpate_draw.h"
+#include "palpate_memory.h"
 #include "palpate_needle.h"
 
 #include <array>
@@ -208,6 +209,15 @@ class Body {
                 const palpate_options& options = default_options()) {
     detail::Text why{};
     body_.reset(palpate_open(file.c_str(), &options, why.data(), why.size()));
+    detail::require(body_ != nullptr, why);
+  }
+
+  /// Of a database's bytes, as palpate_open_memory(). @throws Error
+  Body(const void* bytes, std::size_t count,
+       const palpate_options& options = default_options()) {
+    detail::Text why{};
+    body_.reset(
+        palpate_open_memory(bytes, count, &options, why.data(), why.size()));
     detail::require(body_ != nullptr, why);
   }
 

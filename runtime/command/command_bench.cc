@@ -136,7 +136,7 @@ void add_walk(Command bench) {
   Command command = bench.add_subcommand(
       "walk", "a long random walk over a database, under everything that can go wrong");
   auto flags = std::make_shared<Flags>();
-  command.add_option("database", flags->database, "Response database (HDF5)")
+  command.add_option("database", flags->database, "Response database (HDF5 or flat)")
       .required();
   command.add_option("--tool", flags->tool,
                      "of the database; may be left out if there is one");

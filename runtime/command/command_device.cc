@@ -185,9 +185,10 @@ void add_device_command(Command app) {
   const auto flags = std::make_shared<DeviceRunFlags>();
   SimulationOptions& options = flags->options;
   options.fast_hz = 1000.0;
-  command.add_option("database", flags->database,
-                     "Response database (HDF5), or a scene (SCENE.toml) to be rendered "
-                     "while it is computed");
+  command.add_option(
+      "database", flags->database,
+      "Response database (HDF5 or flat), or a scene (SCENE.toml) to be rendered "
+      "while it is computed");
   add_scene_options(command, flags->scene);
   add_device_options(command, flags->device);
   command.option("--device").required();

@@ -95,7 +95,7 @@ void add_replay_command(Command app) {
       "replay", "Render a recorded run again, to the same bits, or differently.");
   const auto flags = std::make_shared<ReplayFlags>();
   command.add_option("recording", flags->recording, "Recording (HDF5)").required();
-  command.add_option("database", flags->database, "Response database (HDF5)")
+  command.add_option("database", flags->database, "Response database (HDF5 or flat)")
       .required();
   command.add_option("--model", flags->model,
                      "Render the trajectory with this local model instead");

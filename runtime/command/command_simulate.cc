@@ -277,9 +277,10 @@ void add_simulate_command(Command app) {
   const auto flags = std::make_shared<SimulateFlags>();
   SimulationOptions& options = flags->options;
   command
-      .add_option("database", flags->database,
-                  "Response database (HDF5), or a scene (SCENE.toml) to be rendered in "
-                  "real time while it is computed")
+      .add_option(
+          "database", flags->database,
+          "Response database (HDF5 or flat), or a scene (SCENE.toml) to be rendered in "
+          "real time while it is computed")
       .required();
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();

@@ -302,9 +302,10 @@ void add_view_command(Command app) {
       "watch a device that presses it.");
   const auto flags = std::make_shared<ViewFlags>();
   ViewSessionOptions& options = flags->options;
-  command.add_option("database", flags->database,
-                     "Response database (HDF5), or a scene (SCENE.toml) that is "
-                     "computed while it is shown");
+  command.add_option(
+      "database", flags->database,
+      "Response database (HDF5 or flat), or a scene (SCENE.toml) that is "
+      "computed while it is shown");
   add_scene_options(command, flags->scene);
   command.add_option("--demo", flags->demo,
                      "A body without a file: cylinder, the paper's (section 5.2.4)");

@@ -32,7 +32,7 @@ double mebibytes(std::size_t bytes) {
 
 }  // namespace
 
-ChunkCache::ChunkCache(const std::filesystem::path& file, const CacheOptions& options)
+ChunkCache::ChunkCache(const StoredSource& file, const CacheOptions& options)
     : reader_(file), options_(options) {
   check(options);
   const DatabaseIndex& index = reader_.index();
@@ -50,7 +50,7 @@ ChunkCache::ChunkCache(const std::filesystem::path& file, const CacheOptions& op
         fmt::format("{}: {:.3g} MiB, the share of tool \"{}\" in the stream budget, "
                     "does not hold a "
                     "neighbourhood of chunks, which needs {:.3g} MiB",
-                    file.string(), mebibytes(options.budget_bytes),
+                    file.name(), mebibytes(options.budget_bytes),
                     index.tools[content_.tool].tool.name, mebibytes(least)));
   }
 }

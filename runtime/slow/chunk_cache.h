@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -53,7 +52,7 @@ class ChunkCache {
   /// Reads the index alone. @throws InputError, FormatError as ChunkReader does.
   /// @throws InputError for options out of range, a tool that is not there, or a budget
   /// that does not hold a neighbourhood.
-  ChunkCache(const std::filesystem::path& file, const CacheOptions& options);
+  ChunkCache(const StoredSource& file, const CacheOptions& options);
 
   /// From now on, what is near any of these contacts is wanted.
   void follow(std::span<const ToolMotion> contacts);

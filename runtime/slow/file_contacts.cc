@@ -43,7 +43,7 @@ std::vector<PressingTool> pressing_tools(const DatabaseIndex& index,
 }
 
 std::shared_ptr<ContactStream> streamed_contacts(const DatabaseIndex& index,
-                                                 const std::filesystem::path& file,
+                                                 const StoredSource& file,
                                                  std::span<const std::string> tools,
                                                  const CacheOptions& cache,
                                                  const Eigen::Vector3d& start_m,

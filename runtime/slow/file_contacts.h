@@ -2,7 +2,6 @@
 // table of responses, all within one budget.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,7 +24,7 @@ namespace palpate {
 /// @param cache budget, horizon and scale of all. @param start_m, in_thread as
 /// StreamedElements takes them. @throws as that and coupled_set().
 [[nodiscard]] std::shared_ptr<ContactStream> streamed_contacts(
-    const DatabaseIndex& index, const std::filesystem::path& file,
+    const DatabaseIndex& index, const StoredSource& file,
     std::span<const std::string> tools, const CacheOptions& cache,
     const Eigen::Vector3d& start_m, bool in_thread);
 

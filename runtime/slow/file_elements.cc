@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-StreamedElements::StreamedElements(const std::filesystem::path& file,
+StreamedElements::StreamedElements(const StoredSource& file,
                                    const CacheOptions& options,
                                    const Eigen::Vector3d& start_m, bool in_thread)
     : cache_(file, options) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <thread>
 
 #include "runtime/slow/chunk_cache.h"
@@ -32,7 +31,7 @@ struct StreamReport {
 class StreamedElements : public TableElements {
  public:
   /// Loads what is near `start_m` [m] before it returns. @throws as ChunkCache does.
-  StreamedElements(const std::filesystem::path& file, const CacheOptions& options,
+  StreamedElements(const StoredSource& file, const CacheOptions& options,
                    const Eigen::Vector3d& start_m, bool in_thread);
   ~StreamedElements() override;
 

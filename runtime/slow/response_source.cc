@@ -46,7 +46,7 @@ class ResponsesInMemory : public ResponseSource {
 
 class ResponsesInFile : public ResponseSource {
  public:
-  ResponsesInFile(std::filesystem::path file, std::size_t budget_bytes, bool in_thread)
+  ResponsesInFile(StoredSource file, std::size_t budget_bytes, bool in_thread)
       : file_(std::move(file)),
         reader_(file_),
         budget_bytes_(budget_bytes),
@@ -84,7 +84,7 @@ class ResponsesInFile : public ResponseSource {
     return {.budget_bytes = budget_bytes_, .force_scale = force_scale};
   }
 
-  std::filesystem::path file_;
+  StoredSource file_;
   ChunkReader reader_;
   std::size_t budget_bytes_;
   bool in_thread_;
@@ -96,7 +96,7 @@ std::unique_ptr<ResponseSource> responses_in_memory(const ResponseDatabase& data
   return std::make_unique<ResponsesInMemory>(database);
 }
 
-std::unique_ptr<ResponseSource> responses_in_file(const std::filesystem::path& file,
+std::unique_ptr<ResponseSource> responses_in_file(const StoredSource& file,
                                                   std::size_t budget_bytes,
                                                   bool in_thread) {
   return std::make_unique<ResponsesInFile>(file, budget_bytes, in_thread);

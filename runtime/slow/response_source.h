@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +64,6 @@ class ResponseSource {
 /// The margin's friction is that of the tool, because the index has none of the nodes.
 /// @param in_thread reads beside the slow process, not in it. @throws as ChunkReader.
 [[nodiscard]] std::unique_ptr<ResponseSource> responses_in_file(
-    const std::filesystem::path& file, std::size_t budget_bytes, bool in_thread);
+    const StoredSource& file, std::size_t budget_bytes, bool in_thread);
 
 }  // namespace palpate

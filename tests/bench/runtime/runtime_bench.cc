@@ -27,7 +27,8 @@ namespace {
 // Which responses of which file, of flags that have both.
 template <typename Flags>
 void add_body(Command command, Flags& flags) {
-  command.add_option("database", flags.database, "Response database (HDF5)").required();
+  command.add_option("database", flags.database, "Response database (HDF5 or flat)")
+      .required();
   command.add_option("--tool", flags.tool,
                      "of the database; may be left out if there is one");
 }
@@ -66,7 +67,7 @@ void add_potential(Command app) {
       "what the ledger does for the element model and the potential field");
   auto flags = std::make_shared<Flags>();
   command.add_option("database", flags->database,
-                     "Response database (HDF5) to walk too");
+                     "Response database (HDF5 or flat) to walk too");
   command.add_option("--tool", flags->tool,
                      "of the database; may be left out if there is one");
   command.add_option("--ticks", flags->ticks, "of each walk, at 2 kHz")
