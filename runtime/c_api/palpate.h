@@ -41,7 +41,11 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(PALPATE_BUILDING_LIBRARY)
+#define PALPATE_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PALPATE_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define PALPATE_API __attribute__((visibility("default")))
 #else
 #define PALPATE_API
