@@ -3,18 +3,19 @@
 # (cmake/toolchains).
 set(PALPATE_HEADERS /usr/include CACHE PATH "Folder of Eigen, fmt, nlohmann_json headers")
 # Links of their own: a compiler for another system must not see all of /usr/include.
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/headers)
 foreach(folder fmt nlohmann)
-  file(CREATE_LINK ${PALPATE_HEADERS}/${folder} ${PROJECT_BINARY_DIR}/headers/${folder} SYMBOLIC)
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/headers/${folder})
+  file(CREATE_LINK ${PALPATE_HEADERS}/${folder}
+       ${PROJECT_BINARY_DIR}/headers/${folder}/${folder} SYMBOLIC)
 endforeach()
 function(palpate_headers target)
   add_library(${target} INTERFACE IMPORTED GLOBAL)
   target_include_directories(${target} SYSTEM INTERFACE ${ARGN})
 endfunction()
 palpate_headers(Eigen3::Eigen ${PALPATE_HEADERS}/eigen3)
-palpate_headers(fmt::fmt ${PROJECT_BINARY_DIR}/headers)
+palpate_headers(fmt::fmt ${PROJECT_BINARY_DIR}/headers/fmt)
 palpate_headers(nlohmann_json::nlohmann_json
-  ${PROJECT_SOURCE_DIR}/cmake/toolchains/libcxx ${PROJECT_BINARY_DIR}/headers)
+  ${PROJECT_SOURCE_DIR}/cmake/toolchains/libcxx ${PROJECT_BINARY_DIR}/headers/nlohmann)
 target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
 set(threads "")
 if(WIN32 OR UNIX)
@@ -41,7 +42,6 @@ palpate_library(formats PIC
   ROOMS formats/base formats/stored formats/hdf5 formats/flat formats/forms formats/mesh
         formats/response formats/database formats/recording formats/service
   LEFT_OUT formats/base/\(command_line|command_words|man_page|toml_text|socket_peer\)
-           formats/hdf5/hdf5_ formats/recording/recording
   DEPENDS Eigen3::Eigen fmt::fmt
   PRIVATE_DEPENDS nlohmann_json::nlohmann_json)
 palpate_library(fast PIC
@@ -72,4 +72,9 @@ if(NOT WIN32 AND NOT UNIX)
   target_link_options(palpate_module PRIVATE -mexec-model=reactor -Wl,--strip-all)
   set_target_properties(palpate_module PROPERTIES OUTPUT_NAME palpate
     RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/share/palpate)
+if(WIN32)
+  include(InstallWindows)
+endif()
+if(BUILD_TESTING)
+  add_subdirectory(tests/platforms)
 endif()
