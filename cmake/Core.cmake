@@ -72,6 +72,7 @@ if(NOT WIN32 AND NOT UNIX)
   target_link_options(palpate_module PRIVATE -mexec-model=reactor -Wl,--strip-all)
   set_target_properties(palpate_module PROPERTIES OUTPUT_NAME palpate
     RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/share/palpate)
+endif()
 if(WIN32)
   include(InstallWindows)
 endif()
