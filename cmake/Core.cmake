@@ -70,7 +70,7 @@ if(NOT WIN32 AND NOT UNIX)
   target_link_libraries(palpate_module PRIVATE palpate::page palpate_warnings)
   # Functions to call, and no main().
   target_link_options(palpate_module PRIVATE -mexec-model=reactor -Wl,--strip-all)
-  set_target_properties(palpate_module PROPERTIES OUTPUT_NAME palpate
+  set_target_properties(palpate_module PROPERTIES OUTPUT_NAME palpate SUFFIX .wasm
     RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/share/palpate)
 endif()
 if(WIN32)
