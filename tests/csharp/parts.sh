@@ -38,6 +38,6 @@ compile_all() {
 compile_c() {  # SUFFIX LIBRARY COMPILER...
   "${@:3}" -std=c99 -O2 -Wall -Wextra -Wpedantic -I"$source/runtime/c_api" "$here/host.c" \
     -o "$folder/host$1" "$2"
-  "$here/layout" "$source"/runtime/c_api/palpate{,_draw,_needle}.h > "$folder/layout.c"
+  "$here/layout" "$source"/runtime/c_api/palpate*.h > "$folder/layout.c"
   "${@:3}" -std=c99 "$folder/layout.c" -o "$folder/layout$1"
 }
