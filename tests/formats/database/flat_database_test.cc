@@ -139,6 +139,21 @@ TEST_F(FlatForm, EveryShorterFileIsRefused) {
   EXPECT_NE(outcome_of(flat_).find("is truncated or damaged"), std::string::npos);
 }
 
+// A file of some kilobytes that says it holds terabytes: nothing is asked of memory.
+TEST_F(FlatForm, AFileOfHolesIsRefused) {
+  constexpr std::uintmax_t kMuch = std::uintmax_t{1} << 42;
+  FlatHeader header;
+  header.bytes = kMuch;
+  header.directory = kFlatFirstOffset;
+  std::ofstream(flat_, std::ios::binary) << flat_header(header);
+  std::error_code error;
+  std::filesystem::resize_file(flat_, kMuch, error);
+  if (error) {
+    GTEST_SKIP() << "no such files here: " << error.message();
+  }
+  EXPECT_NE(outcome_of(flat_).find("has holes"), std::string::npos);
+}
+
 // A directory that lies, with the digest of its lies.
 TEST_F(FlatForm, ADirectoryIsBelievedInNothing) {
   const std::string whole = as_flat(small_database());
