@@ -1,5 +1,5 @@
 // palpate-db export: a database as VTU, CSV or JSON, its pressure laws, the taxels
-// under its tool, or the whole of it as a flat file.
+// under its tool, or the whole of it in the other form, flat or HDF5.
 #include <charconv>
 #include <filesystem>
 #include <functional>
@@ -27,6 +27,7 @@ struct ExportFlags {
   std::string file;
   std::string output;
   std::string flat;
+  std::string hdf5;
   std::string tool;
   bool pressure_law = false;
   std::string taxels;  // "16x16": columns, rows
@@ -121,25 +122,27 @@ void print_export(const std::string& output, const ResponseDatabase& database,
 }
 
 // The whole database, all tools.
-void run_flat(const ExportFlags& flags) {
+void run_form(const ExportFlags& flags) {
   if (!flags.output.empty() || !flags.tool.empty() || flags.pressure_law ||
-      !flags.taxels.empty()) {
+      !flags.taxels.empty() || (!flags.flat.empty() && !flags.hdf5.empty())) {
     throw InputError(
-        "--flat writes the whole database: it goes without --output, "
-        "--tool, --pressure-law and --taxels");
+        "--flat and --hdf5 write the whole database: each goes without the other, "
+        "--output, --tool, --pressure-law and --taxels");
   }
+  const bool flat = !flags.flat.empty();
+  const std::string& output = flat ? flags.flat : flags.hdf5;
   const ResponseDatabase database = read_database(flags.file);
-  write_database(flags.flat, database, StoredForm::kFlat);
-  print_export(flags.flat, database, flags.json);
+  write_database(output, database, flat ? StoredForm::kFlat : StoredForm::kHdf5);
+  print_export(output, database, flags.json);
 }
 
 void run_export(const ExportFlags& flags) {
-  if (!flags.flat.empty()) {
-    run_flat(flags);
+  if (!flags.flat.empty() || !flags.hdf5.empty()) {
+    run_form(flags);
     return;
   }
   if (flags.output.empty()) {
-    throw InputError("where to write must be named: --output FILE, or --flat FILE");
+    throw InputError("where to write must be named: --output, --flat or --hdf5 FILE");
   }
   const Export text_of = export_of(flags);
   const ResponseDatabase database = read_database(flags.file);
@@ -162,6 +165,8 @@ void add_export_command(Command app) {
                      "File to write: .vtu, .csv or .json");
   command.add_option("--flat", flags->flat,
                      "Write the whole database as a flat file instead: FLAT.md");
+  command.add_option("--hdf5", flags->hdf5,
+                     "Write the whole database as an HDF5 file instead");
   command.add_option("--tool", flags->tool, "Tool, if there are several");
   command.add_flag(
       "--pressure-law", flags->pressure_law,

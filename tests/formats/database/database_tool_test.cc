@@ -169,9 +169,10 @@ TEST_F(DatabaseTool, AFlatFileSaysWhatItsHdf5FileSays) {
     };
     EXPECT_EQ(said(flat), said(file_)) << verb;
   }
-  EXPECT_EQ(run({"slice", flat, "-o", back}).exit_code, 0);
+  EXPECT_EQ(run({"export", flat, "--hdf5", back}).exit_code, 0);
   EXPECT_EQ(bytes_of(back), bytes_of(file_));
   EXPECT_EQ(run({"export", file_, "--flat", flat, "-o", "a.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"export", file_, "--flat", flat, "--hdf5", back}).exit_code, 2);
   EXPECT_EQ(run({"export", file_}).exit_code, 2);
 }
 
