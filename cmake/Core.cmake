@@ -33,6 +33,12 @@ if(CMAKE_SIZEOF_VOID_P EQUAL 4)  # what does not fit in memory cannot be opened
   target_compile_options(palpate_warnings INTERFACE -Wno-shorten-64-to-32)
 endif()
 
+# With vector instructions Eigen adds in another order. WebAssembly has none here.
+option(PALPATE_SCALAR "Sums in the order of WebAssembly, for comparisons with it" OFF)
+if(PALPATE_SCALAR)
+  add_compile_definitions(EIGEN_DONT_VECTORIZE)
+endif()
+
 # A unity build joins many sources in one object: the linker drops what nobody calls.
 add_compile_options(-ffunction-sections -fdata-sections)
 add_link_options(-Wl,--gc-sections)

@@ -1,5 +1,6 @@
 // palpate-db export: a database as VTU, CSV or JSON, its pressure laws, the taxels
-// under its tool, the whole of it as a flat file, or a page that presses it.
+// under its tool, the whole of it in the other form, flat or HDF5, or a page that
+// presses it.
 #include <charconv>
 #include <filesystem>
 #include <functional>
@@ -30,6 +31,7 @@ struct ExportFlags {
   std::string file;
   std::string output;
   std::string flat;
+  std::string hdf5;
   std::string page;
   std::string module;
   std::vector<std::string> tools;
@@ -132,16 +134,19 @@ void write_text(const std::string& output, std::string_view text) {
 }
 
 // The whole database, all tools.
-void run_flat(const ExportFlags& flags) {
+void run_form(const ExportFlags& flags) {
   if (!flags.output.empty() || !flags.page.empty() || !flags.tools.empty() ||
-      flags.pressure_law || !flags.taxels.empty()) {
+      flags.pressure_law || !flags.taxels.empty() ||
+      (!flags.flat.empty() && !flags.hdf5.empty())) {
     throw InputError(
-        "--flat writes the whole database: it goes without --output, --page, "
-        "--tool, --pressure-law and --taxels");
+        "--flat and --hdf5 write the whole database: each goes without the other, "
+        "--output, --page, --tool, --pressure-law and --taxels");
   }
+  const bool flat = !flags.flat.empty();
+  const std::string& output = flat ? flags.flat : flags.hdf5;
   const ResponseDatabase database = read_database(flags.file);
-  write_database(flags.flat, database, StoredForm::kFlat);
-  print_export(flags.flat, database, flags.json);
+  write_database(output, database, flat ? StoredForm::kFlat : StoredForm::kHdf5);
+  print_export(output, database, flags.json);
 }
 
 // The runtime that pages hold: named, or where it was built or installed.
@@ -196,17 +201,17 @@ std::string tool_of(const ExportFlags& flags) {
 }
 
 void run_export(const ExportFlags& flags) {
-  if (!flags.page.empty()) {
+  if (!flags.page.empty() && flags.flat.empty() && flags.hdf5.empty()) {
     run_page(flags);
     return;
   }
-  if (!flags.flat.empty()) {
-    run_flat(flags);
+  if (!flags.flat.empty() || !flags.hdf5.empty()) {
+    run_form(flags);
     return;
   }
   if (flags.output.empty()) {
     throw InputError(
-        "where to write must be named: --output FILE, --flat FILE or --page FILE");
+        "where to write must be named: --output, --flat, --hdf5 or --page FILE");
   }
   const Export text_of = export_of(flags);
   const ResponseDatabase database = read_database(flags.file);
@@ -226,6 +231,8 @@ void add_export_command(Command app) {
                      "File to write: .vtu, .csv or .json");
   command.add_option("--flat", flags->flat,
                      "Write the whole database as a flat file instead: FLAT.md");
+  command.add_option("--hdf5", flags->hdf5,
+                     "Write the whole database as an HDF5 file instead");
   command.add_option("--page", flags->page,
                      "Write a page that presses the body instead, with all that it "
                      "needs in one file: PAGE.md");

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "formats/base/believed_bytes.h"
 #include "formats/base/error.h"
 #include "formats/flat/flat_directory.h"
 
@@ -47,7 +49,7 @@ class BytesInMemory final : public Bytes {
 class BytesOnDisk final : public Bytes {
  public:
   explicit BytesOnDisk(const std::filesystem::path& file)
-      : in_(file, std::ios::binary), size_(std::filesystem::file_size(file)) {}
+      : in_(file, std::ios::binary), size_(believed_bytes(file)) {}
   [[nodiscard]] std::uint64_t size() const override { return size_; }
   [[nodiscard]] bool read(std::uint64_t begin, std::uint64_t count,
                           void* to) const override {
@@ -211,6 +213,12 @@ std::unique_ptr<const StoredDataset> FlatFile::dataset(const std::string& path) 
 }  // namespace
 
 std::unique_ptr<const StoredFile> open_flat(const std::filesystem::path& file) {
+  if (std::error_code unknown;
+      believed_bytes(file) < std::filesystem::file_size(file, unknown)) {
+    throw FormatError(
+        fmt::format("{}: has holes: most of its {} bytes were never written",
+                    file.string(), std::filesystem::file_size(file, unknown)));
+  }
   return std::make_unique<const FlatFile>(file.string(),
                                           std::make_unique<const BytesOnDisk>(file));
 }

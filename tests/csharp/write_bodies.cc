@@ -54,7 +54,7 @@ ResponseDatabase relaxing_plate() {
   relaxes.instantaneous = true;
   relaxes.tau_s = {0.05, 0.6};
   relaxes.g.resize(1, 2);
-  relaxes.g << 0.3, 0.2;
+  relaxes.g << 0.3F, 0.2F;
   palpate::give_memory(database.body, database.normal, relaxes, 2, database.tools[0]);
   return database;
 }

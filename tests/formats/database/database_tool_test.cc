@@ -145,6 +145,37 @@ TEST_F(DatabaseTool, ExportGoesByTheExtension) {
   EXPECT_NE(unknown.err.find("must be .vtu, .csv or .json"), std::string::npos);
 }
 
+TEST_F(DatabaseTool, AFlatFileSaysWhatItsHdf5FileSays) {
+  const std::string flat = folder_ / "a.palpate";
+  const std::string back = folder_ / "back.h5";
+  const auto run = [](std::vector<std::string> words) {
+    return run_tool_process("palpate-db", words);
+  };
+  const ToolRun exported = run({"export", file_, "--flat", flat, "--json"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_EQ(parse_json(exported.out).at("bytes"), std::filesystem::file_size(flat));
+  for (const char* verb : {"info", "check", "report", "diff"}) {
+    const std::string page = folder_ / "page.html";
+    const auto said = [&](const std::string& file) {
+      std::vector<std::string> words{verb, file};
+      if (verb == std::string("diff")) {
+        words.push_back(file_);
+      } else if (verb == std::string("report")) {
+        words.insert(words.end(), {"-o", page});
+      }
+      const ToolRun done = run(words);
+      EXPECT_EQ(done.exit_code, 0) << verb << done.err;
+      return verb == std::string("info") ? std::string() : done.out;
+    };
+    EXPECT_EQ(said(flat), said(file_)) << verb;
+  }
+  EXPECT_EQ(run({"export", flat, "--hdf5", back}).exit_code, 0);
+  EXPECT_EQ(bytes_of(back), bytes_of(file_));
+  EXPECT_EQ(run({"export", file_, "--flat", flat, "-o", "a.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"export", file_, "--flat", flat, "--hdf5", back}).exit_code, 2);
+  EXPECT_EQ(run({"export", file_}).exit_code, 2);
+}
+
 TEST_F(DatabaseTool, ExportsTaxelsUnderThePressedTool) {
   write_database(file_, with_contacts());
   const std::string output = folder_ / "t.json";
