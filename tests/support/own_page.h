@@ -25,16 +25,21 @@ inline std::filesystem::path page_module_file() {
                    "../share/palpate/palpate.wasm";
 }
 
-/// What the script saw of the database's own page. @param flags of the script.
+/// What the script saw of a page. @param flags of the script.
+inline nlohmann::json seen_on_file(const std::string& html, const std::string& flags) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "body.html", std::ios::binary) << html;
+  return scripted("--own '" + (folder / "body.html").string() + "'", flags);
+}
+
+/// What the script saw of the database's own page.
 inline nlohmann::json seen_on_own_page(const ResponseDatabase& database,
                                        const std::vector<std::string>& tools,
                                        const std::string& flags) {
-  const ScratchFolder folder;
   const std::string module = read_file(page_module_file());
-  const PageExport page =
-      page_of(database, "body.h5", tools, std::as_bytes(std::span(module)));
-  std::ofstream(folder / "body.html", std::ios::binary) << page.html;
-  return scripted("--own '" + (folder / "body.html").string() + "'", flags);
+  return seen_on_file(
+      page_of(database, "body.h5", tools, std::as_bytes(std::span(module))).html,
+      flags);
 }
 
 }  // namespace palpate

@@ -1,9 +1,9 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
 view_page.py PALPATE-RUN DATABASE [FOLDER for pictures]
-             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle | --friction]
+             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle | --friction | --touch]
 view_page.py --own PAGE.html [FOLDER for pictures] [the same]: a page of its own, from a
-file; "log" is what its runtime was asked and told, in order.
+file; "log" is what its runtime was asked and told, in order. "refused": why it did not start.
 """
 
 import json
@@ -252,6 +252,40 @@ def poke_by_keys(page, seen):
     page.picture("keys")
     page.keys(Keys.ESCAPE)
     page.wait(lambda: page.text("force") == "0.000" and page.text("state") == "free")
+
+
+CAMERA = "return window.palpate.view.camera.position.toArray();"
+
+
+def touch(page, watcher, seen):
+    """Fingers: one on the body, a second one beside it, one beside the body, a tap."""
+    tell = page.driver.execute_cdp_cmd
+    tell("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+    canvas = page.driver.find_element(By.ID, "canvas").rect
+    middle = {"x": canvas["x"] + canvas["width"] / 2, "y": canvas["y"] + canvas["height"] / 2, "id": 0}
+    beside = {"x": canvas["x"] + 12, "y": canvas["y"] + 150, "id": 1}
+
+    def fingers(kind, *at):
+        tell("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(at)})
+
+    fingers("touchStart", middle)
+    page.wait(lambda: page.number("force") > 0.01)
+    seen["finger_force_n"] = page.steady()
+    page.picture("finger")
+    fingers("touchStart", middle, beside)
+    page.wait(lambda: page.text("state") == "free" and page.text("force") == "0.000")
+    fingers("touchEnd")
+    seen["camera"] = [in_a_frame(page, CAMERA)]
+    fingers("touchStart", beside)
+    for step in range(1, 6):
+        fingers("touchMove", {**beside, "x": beside["x"] + 20 * step})
+    fingers("touchEnd")
+    settled(page)
+    seen["camera"].append(in_a_frame(page, CAMERA))
+    seen["turned_force"] = page.text("force")
+    fingers("touchStart", middle)
+    fingers("touchEnd")
+    page.wait(lambda: "node" in page.text("curve_title"))
 
 
 # The surface and the tool as they are drawn, beside what the runtime said of them.
@@ -523,7 +557,8 @@ def open_own(driver, file, more, seen):
     page = Page(driver, folder_of(more))
     page.wait(lambda: page.text("state") in ("free", "cannot start"))
     if page.text("state") != "free":
-        raise RuntimeError(page.text("message"))
+        print(json.dumps({"refused": page.text("message")}))
+        return None, None
     seen["start_ms"] = driver.execute_script("return performance.now();")
     seen["loaded"] = driver.execute_script(
         "return performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => !name.startsWith('blob:'));")
@@ -545,6 +580,8 @@ def play(page, watcher, more, flat, seen):
         pinch(page, watcher, seen)
     elif "--needle" in more:
         needle(page, watcher, seen)
+    elif "--touch" in more:
+        touch(page, watcher, seen)
     elif "--friction" in more:
         friction(page, watcher, seen)
     else:
@@ -563,6 +600,8 @@ def main():
         address = view and view.stdout.readline().strip()
         driver = browser(["--disable-3d-apis"] if flat else [], "1500,940" if folder_of(more) else "1060,640")
         page, watcher = open_served(driver, address, more, seen) if view else open_own(driver, database, more, seen)
+        if page is None:
+            return
         seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
         play(page, watcher, more, flat, seen)
         seen["errors"] = [e["message"] for e in driver.get_log("browser") if e["level"] == "SEVERE"]

@@ -10,8 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/database/table_memory.h"
+#include "formats/report/standalone_page.h"
 #include "runtime/view/page_body.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/sample_bodies.h"
@@ -86,27 +88,26 @@ Compared replayed(const ResponseDatabase& database,
   return compared;
 }
 
-// The page pressed by the script, and both runtimes' forces.
-Compared pressed(const ResponseDatabase& database,
-                 const std::vector<std::string>& tools, const std::string& flags) {
-  const Json seen = seen_on_own_page(database, tools, flags);
+// What the script saw, and both runtimes' forces.
+Compared compared(const Json& seen, const ResponseDatabase& database,
+                  const std::vector<std::string>& tools = {}) {
   if (!seen.is_object()) {
     ADD_FAILURE() << "the script saw nothing";
     return {};
   }
   EXPECT_EQ(seen["errors"], Json::array());
   EXPECT_EQ(seen["loaded"], Json::array());
-  const Compared compared = replayed(database, tools, seen["log"]);
-  EXPECT_GT(compared.frames, 60);
-  EXPECT_GT(compared.most_n, 0.05);
-  EXPECT_LT(compared.force_n, kForceN);
-  EXPECT_LT(compared.depth_m, 1e-9);
+  const Compared both = replayed(database, tools, seen["log"]);
+  EXPECT_GT(both.frames, 60);
+  EXPECT_GT(both.most_n, 0.05);
+  EXPECT_LT(both.force_n, kForceN);
+  EXPECT_LT(both.depth_m, 1e-9);
   fmt::print(
       "[ page     ] started in {:.0f} ms, {:.0f} frames/s, speed {:.2f}; {} "
       "frames compared, forces to {:.2g} N differ by {:.2g} N\n",
       seen["start_ms"].get<double>(), seen["frames_per_s"].get<double>(),
-      seen["speed"].get<double>(), compared.frames, compared.most_n, compared.force_n);
-  return compared;
+      seen["speed"].get<double>(), both.frames, both.most_n, both.force_n);
+  return both;
 }
 
 ResponseDatabase soft_body() {
@@ -120,7 +121,18 @@ ResponseDatabase soft_body() {
 
 TEST(OwnPage, PressedByMouseAndKeysFeelsAsThisMachine) {
   NEEDS_A_PAGE();
-  pressed(soft_body(), {}, "");
+  const ResponseDatabase database = soft_body();
+  compared(seen_on_own_page(database, {}, ""), database);
+}
+
+TEST(OwnPage, AFingerPressesASecondOneLetsGoAndBesideTheBodyItTurns) {
+  NEEDS_A_PAGE();
+  const ResponseDatabase database = soft_body();
+  const Json seen = seen_on_own_page(database, {}, "--touch");
+  compared(seen, database);
+  EXPECT_GT(seen["finger_force_n"], 0.05);
+  EXPECT_GT(difference(seen["camera"][0], seen["camera"][1]), 1e-3);
+  EXPECT_EQ(seen["turned_force"], "0.000");
 }
 
 TEST(OwnPage, ABodyThatRelaxesAndYieldsDoesSoInThePage) {
@@ -133,12 +145,43 @@ TEST(OwnPage, ABodyThatRelaxesAndYieldsDoesSoInThePage) {
   relaxes.g << 0.3F, 0.2F;
   relaxes.yielding = {.yield_depth_m = {0.001}, .share = {0.3}};
   give_memory(database.body, database.normal, relaxes, 2, database.tools[0]);
-  EXPECT_GT(pressed(database, {}, "").remembered_j, 1e-6);
+  EXPECT_GT(compared(seen_on_own_page(database, {}, ""), database).remembered_j, 1e-6);
+}
+
+// Its runtime's own sentence, thrown and caught in WebAssembly.
+TEST(OwnPage, ADamagedDatabaseIsRefused) {
+  NEEDS_A_PAGE();
+  std::vector<std::byte> flat = flat_bytes(soft_body());
+  flat.resize(flat.size() - 8);
+  const std::string module = read_file(page_module_file());
+  const Json seen = seen_on_file(
+      standalone_page({.name = "body.h5", .tools = {}, .left_out = "", .flat = flat},
+                      std::as_bytes(std::span(module))),
+      "");
+  ASSERT_TRUE(seen.is_object());
+  try {
+    static_cast<void>(read_database(StoredSource(flat, "body.h5")));
+    FAIL() << "is read";
+  } catch (const FormatError& error) {
+    EXPECT_EQ(seen["refused"], error.what());
+  }
+}
+
+TEST(OwnPage, ANamedBodyFeelsAsThisMachine) {
+  NEEDS_A_PAGE();
+  const char* const body = std::getenv("PALPATE_PAGE_BODY");
+  if (body == nullptr) {
+    GTEST_SKIP() << "PALPATE_PAGE_BODY names no database";
+  }
+  const ResponseDatabase database = read_database(std::filesystem::path(body));
+  compared(seen_on_own_page(database, {}, ""), database);
 }
 
 TEST(OwnPage, TwoHandsPinchInThePage) {
   NEEDS_A_PAGE();
-  pressed(padded_plate(3), {"ball", "pads"}, "--pinch");
+  const ResponseDatabase database = padded_plate(3);
+  const std::vector<std::string> tools{"ball", "pads"};
+  compared(seen_on_own_page(database, tools, "--pinch"), database, tools);
 }
 
 }  // namespace
