@@ -30,8 +30,25 @@ function(palpate_units target)
   foreach(source ${ARGN})
     math(EXPR part "${index} / ${size}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${part})
+    if(source MATCHES "_windows\\.cc$")  # windows.h defines macros: near, far
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
     math(EXPR index "${index} + 1")
   endforeach()
+endfunction()
+
+# One precompiled header for each kind of object: position-independent, or not. Without JSON,
+# whose header makes each unit instantiate a parser, used or not.
+function(palpate_precompiled_headers)
+  foreach(kind pic pie)
+    add_library(palpate_pch_${kind} OBJECT ${PROJECT_SOURCE_DIR}/cmake/pch.cc)
+    target_compile_features(palpate_pch_${kind} PRIVATE cxx_std_20)
+    target_link_libraries(palpate_pch_${kind} PRIVATE Eigen3::Eigen fmt::fmt palpate_warnings)
+    target_precompile_headers(palpate_pch_${kind} PRIVATE
+      <Eigen/Core> <Eigen/Geometry> <fmt/format.h>
+      <algorithm> <filesystem> <functional> <map> <optional> <string> <vector>)
+  endforeach()
+  set_target_properties(palpate_pch_pic PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
 # palpate_reuse(<target> <kind>): compiles with the precompiled header palpate_pch_<kind>.
@@ -47,11 +64,13 @@ function(palpate_reuse target kind)
   endforeach()
 endfunction()
 
-# palpate_library(<name> [PIC] ROOMS <folder>... [DEPENDS ...] [PRIVATE_DEPENDS ...])
-# One static library palpate::<name> from the sources of some sub-rooms.
+# palpate_library(<name> [PIC] ROOMS <folder>... [LEFT_OUT <expression>...]
+#                 [DEPENDS ...] [PRIVATE_DEPENDS ...])
+# One static library palpate::<name> from the sources of some sub-rooms, but those whose
+# paths begin with a LEFT_OUT.
 # PIC: it goes into a shared library, too.
 function(palpate_library name)
-  cmake_parse_arguments(ARG "PIC" "" "ROOMS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "PIC" "" "ROOMS;LEFT_OUT;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   set(sources "")
   foreach(room ${ARG_ROOMS})
     set(dir ${PROJECT_SOURCE_DIR}/${room})
@@ -62,6 +81,9 @@ function(palpate_library name)
   list(FILTER sources EXCLUDE REGEX "/(palpate_(c|tick|draw|needle|memory|main)|fault_name|page_module)\\.cc$")
   list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_PLATFORMS}")
   list(FILTER sources EXCLUDE REGEX "${PALPATE_OTHER_FORMS}")
+  foreach(left_out ${ARG_LEFT_OUT})
+    list(FILTER sources EXCLUDE REGEX "^${PROJECT_SOURCE_DIR}/${left_out}")
+  endforeach()
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
@@ -144,4 +166,31 @@ function(palpate_tests room)
       palpate_test_program(${folder} ${ARGN})
     endif()
   endforeach()
+endfunction()
+
+# palpate_c_library(<library>...): the C interface for other simulators, palpate::palpate:
+# nothing but its functions can be seen. Without an operating system a static library.
+function(palpate_c_library)
+  set(kind SHARED)
+  if(NOT WIN32 AND NOT UNIX)
+    set(kind STATIC)
+  endif()
+  add_library(palpate_c ${kind} runtime/c_api/palpate_c.cc runtime/c_api/palpate_tick.cc
+              runtime/c_api/palpate_draw.cc runtime/c_api/palpate_needle.cc
+              runtime/c_api/palpate_memory.cc runtime/c_api/palpate_memory.h
+              runtime/c_api/fault_name.cc runtime/c_api/palpate.h
+              runtime/c_api/palpate_draw.h runtime/c_api/palpate_needle.h)
+  add_library(palpate::palpate ALIAS palpate_c)
+  target_include_directories(palpate_c INTERFACE
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime/c_api> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(palpate_c PRIVATE ${ARGN} palpate_warnings)
+  target_compile_definitions(palpate_c PRIVATE PALPATE_BUILDING_LIBRARY)
+  set_target_properties(palpate_c PROPERTIES OUTPUT_NAME palpate EXPORT_NAME palpate
+    VERSION 1.${PROJECT_VERSION_MINOR}.${PROJECT_VERSION_PATCH} SOVERSION 1  # ABI version
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(WIN32)
+    set_target_properties(palpate_c PROPERTIES PREFIX "")
+  elseif(UNIX)
+    target_link_options(palpate_c PRIVATE -Wl,--exclude-libs,ALL -Wl,--no-undefined)
+  endif()
 endfunction()

@@ -1,9 +1,9 @@
 // Sums and products with twice a double's digits, without fused operations: a number is
 // the unevaluated sum of two doubles.
 //
-// Dekker 1971 and Knuth (TAOCP 2, 4.2.2); the order of operations is that of
-// SLEEF 3.5.1 (dd.h, Naoki Shibata and contributors, Boost Software License 1.0), so
-// that reproducible.h has the bits of its functions. "Ordered" wants |x| >= |y|.
+// Dekker 1971 and Knuth (TAOCP 2, 4.2.2). The order of operations is that of
+// SLEEF 3.5.1 (dd.h, Naoki Shibata and contributors, Boost Software License 1.0), whose
+// functions' bits reproducible.h has. "Ordered" wants |x| >= |y|.
 #pragma once
 
 #include <bit>

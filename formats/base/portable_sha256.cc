@@ -24,7 +24,7 @@ constexpr std::array<Word, 64> kRound{
 
 // Most significant byte first.
 template <typename Integer>
-void put(Integer value, std::span<std::byte, sizeof(Integer)> to) {
+void put_big_endian(Integer value, std::span<std::byte, sizeof(Integer)> to) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     to[i] = static_cast<std::byte>(value >> (8 * (to.size() - 1 - i)));
   }
@@ -95,12 +95,12 @@ std::array<std::uint8_t, 32> PortableSha256::digest() const {
   const std::size_t held = bytes_ % kBlockBytes;
   const std::size_t zeros_end = held < kLengthAt ? kLengthAt : kBlockBytes + kLengthAt;
   const std::span<std::byte> all = std::span(padding).first(zeros_end - held + 8);
-  put(8 * bytes_, all.last<sizeof(std::uint64_t)>());
+  put_big_endian(8 * bytes_, all.last<sizeof(std::uint64_t)>());
   padded.update(all);
   std::array<std::uint8_t, 32> result{};
   const auto bytes = std::as_writable_bytes(std::span(result));
   for (std::size_t i = 0; i < padded.hash_.size(); ++i) {
-    put(padded.hash_[i], bytes.subspan(4 * i).first<4>());
+    put_big_endian(padded.hash_[i], bytes.subspan(4 * i).first<4>());
   }
   return result;
 }

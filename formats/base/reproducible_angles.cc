@@ -11,7 +11,7 @@
 namespace palpate::reproducible {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kPerPi = 0.318309886183790671537767526745028724;
 constexpr DoubleDouble kPi{3.141592653589793116, 1.2246467991473532072e-16};
 // Pi in four parts, the last 28 bits of the first three zero.
@@ -202,12 +202,12 @@ double atan2(double y, double x) {
     x *= 0x1p53;
     y *= 0x1p53;
   }
-  const bool upright = std::abs(x) == kInfinite || x == 0.0;
+  const bool upright = std::abs(x) == kUnbounded || x == 0.0;
   double r = 0.0;
   if (y == 0.0) {
     r = std::signbit(x) ? std::numbers::pi : 0.0;
-  } else if (std::abs(y) == kInfinite) {
-    r = kQuarter - (std::abs(x) == kInfinite ? times_sign(kQuarter / 2.0, x) : 0.0);
+  } else if (std::abs(y) == kUnbounded) {
+    r = kQuarter - (std::abs(x) == kUnbounded ? times_sign(kQuarter / 2.0, x) : 0.0);
   } else if (upright) {
     r = kQuarter - (x == 0.0 ? 0.0 : times_sign(kQuarter, x));
   } else {

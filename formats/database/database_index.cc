@@ -216,7 +216,7 @@ class IndexDigest {
   [[nodiscard]] bool optional(const std::string&, bool wanted) const { return wanted; }
   template <typename Values>
   void values(const std::string&, const char*, const Values& values) {
-    const std::int64_t count = values.size();
+    const std::int64_t count = static_cast<std::int64_t>(values.size());
     digest_.update(std::as_bytes(std::span(&count, 1)));
     add_values(digest_, values);
   }

@@ -24,25 +24,20 @@ std::string join_names(const std::vector<ResponseTable>& tools) {
   return join_lines(names);
 }
 
-}  // namespace
-
-void write_database(const std::filesystem::path& file, const ResponseDatabase& database,
-                    std::optional<StoredForm> form) {
+// As a file of its storage.precision has it.
+ResponseDatabase checked(const ResponseDatabase& database) {
   check(database);
-  const ResponseDatabase precise = rounded(database);
+  ResponseDatabase precise = rounded(database);
   check(precise);
-  write_unchecked(file, precise, form);
+  return precise;
 }
 
-void write_unchecked(const std::filesystem::path& file,
-                     const ResponseDatabase& database, std::optional<StoredForm> form) {
+void write_all(const ResponseDatabase& database, StoredWriter& out) {
   // Neighbours on the surface lie near one another in the file, so that a chunk is a
   // patch.
   const StorageOrder order = storage_order(database.body);
   const ResponseDatabase ordered = select_nodes(database, order.node, order.triangle);
   const DatabaseIndex index = make_index(ordered, order);
-  AtomicFile atomic(file);
-  StoredWriter out = make_writer(form.value_or(form_of(file)), database.storage);
   out.attribute("/", "format", std::string(content::kFormatName));
   out.attribute("/", "format_version", std::int64_t{kDatabaseVersion});
   out.attribute("/", "format_version_minor", std::int64_t{kDatabaseVersionMinor});
@@ -61,6 +56,27 @@ void write_unchecked(const std::filesystem::path& file,
   content::exchange_index(derived, index);
   out.remark("/index", "index_sha256", index_digest(index));
   out.remark("/", kDigestName, digest);
+}
+
+}  // namespace
+
+void write_database(const std::filesystem::path& file, const ResponseDatabase& database,
+                    std::optional<StoredForm> form) {
+  write_unchecked(file, checked(database), form);
+}
+
+std::vector<std::byte> flat_bytes(const ResponseDatabase& database) {
+  StoredWriter out = make_writer(StoredForm::kFlat, database.storage);
+  write_all(checked(database), out);
+  const std::span<const std::byte> image = out.image();
+  return {image.begin(), image.end()};
+}
+
+void write_unchecked(const std::filesystem::path& file,
+                     const ResponseDatabase& database, std::optional<StoredForm> form) {
+  AtomicFile atomic(file);
+  StoredWriter out = make_writer(form.value_or(form_of(file)), database.storage);
+  write_all(database, out);
   atomic.write(out.image());
   atomic.commit();
 }

@@ -1,6 +1,7 @@
 // The response database in memory and as a file; FORMAT.md describes every dataset.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -65,6 +66,9 @@ void check(const ResponseDatabase& database);
 /// @param form none: what the file's name asks for
 void write_database(const std::filesystem::path& file, const ResponseDatabase& database,
                     std::optional<StoredForm> form = std::nullopt);
+
+/// The bytes of the flat file that write_database() writes. @throws as it does.
+[[nodiscard]] std::vector<std::byte> flat_bytes(const ResponseDatabase& database);
 
 /// Reads a file of either form, and checks. @throws InputError for a missing file,
 /// FormatError for one that is foreign, truncated, damaged or of a newer major version.

@@ -45,7 +45,7 @@ struct ContactTable {
   RowsOf<float> centre_m = {};        ///< (n x 2 D) [m] c, off the node's line
   RowsOf<float> moment_m2 = {};       ///< (n x 3 D) [m^2] M, positive definite
   RowsOf<float> exponent = {};        ///< (n x D) [-] m
-  RowsOf<float> pressure_error = {};  ///< (n x 1) [-] stated error of the radius
+  RowsOf<float> pressure_error = {};  ///< (n x 1) [-] of the radius, from d/4 on
   RowsOf<float> lateral = {};         ///< (n x 3 D) [-] S, positive definite
   RowsOf<float> lateral_error = {};   ///< (n x 1) [-] stated error of K, any direction
 

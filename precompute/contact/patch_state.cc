@@ -30,6 +30,8 @@ constexpr double kTangentError = 0.3;
 // Error of the pressure's radius by the node spacing over it, and at least.
 constexpr double kRadiusError = 0.35;
 constexpr double kLeastRadiusError = 0.01;
+// Share of the last depth from which the radius' error holds.
+constexpr double kRadiusFrom = 0.25;
 // Slopes d ln N / d ln d of a curve that count.
 constexpr double kLeastPower = 0.1;
 constexpr double kMostPower = 3.0;
@@ -135,7 +137,12 @@ ContactTable stored_contact(const Indentation& indentation,
   row.pressure_error.resize(1, 1);
   row.lateral.resize(lateral ? 1 : 0, 3 * kD);
   row.lateral_error.resize(lateral ? 1 : 0, 1);
-  double spacing = 0.0;
+  const auto spacing_at = [&](double share) {
+    return between_states(indentation.contact, touch_m, touch_m + share * depth_m,
+                          [](const PatchState& s) {
+                            return s.spacing_ratio;
+                          });
+  };
   for (std::size_t k = 0; k < kContactDepths; ++k) {
     const double at_m = touch_m + kContactDepthShares[k] * depth_m;
     const auto at = [&](const auto& value) {
@@ -154,9 +161,6 @@ ContactTable stored_contact(const Indentation& indentation,
         static_cast<float>(at([](const PatchState& s) {
           return s.exponent;
         }));
-    spacing = at([](const PatchState& s) {
-      return s.spacing_ratio;
-    });
     if (lateral) {
       const Eigen::Matrix2d ratio = at([](const PatchState& s) -> Eigen::Matrix2d {
         return s.lateral;
@@ -164,9 +168,10 @@ ContactTable stored_contact(const Indentation& indentation,
       put_tensor(row.lateral, k, power_at(indentation, path, at_m) * ratio);
     }
   }
-  row.pressure_error(0, 0) =
-      static_cast<float>(std::max(kLeastRadiusError, kRadiusError * spacing));
+  row.pressure_error(0, 0) = static_cast<float>(
+      std::max(kLeastRadiusError, kRadiusError * spacing_at(kRadiusFrom)));
   if (lateral) {
+    const double spacing = spacing_at(1.0);
     row.lateral_error(0, 0) = static_cast<float>(
         std::hypot(kLeastLateralError, kSpacingError * spacing * spacing,
                    kTangentError * indentation.contact.back().by_tangent));

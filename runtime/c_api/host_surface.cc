@@ -26,7 +26,7 @@ void save_surface(const HostBody& body, const HostTool& tool,
     surface = read_state(body, file);
   }
   surface.writer = "libpalpate " PALPATE_VERSION;
-  surface.database = std::filesystem::path(body.file()).filename();
+  surface.database = std::filesystem::path(body.file()).filename().string();
   surface.database_sha256 = body.sha256();
   put_surface(tool.kept(), tool.tables(), surface);
   write_surface_state(file, surface);

@@ -21,7 +21,7 @@
  * palpate_slow_failure() may wait and allocate; palpate_close() when no other call is
  * under way. Functions of the haptic thread say so.
  *
- * No function throws, prints, or ends the process.
+ * No function throws, prints, or ends the process. Names of files are UTF-8.
  *
  * Guaranteed: the account. Work put in by the tool = stored + tank + dents + dissipated
  * (dents: memory_j), and none of the last four is below zero. It holds for positions as
@@ -41,7 +41,11 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(PALPATE_BUILDING_LIBRARY)
+#define PALPATE_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PALPATE_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define PALPATE_API __attribute__((visibility("default")))
 #else
 #define PALPATE_API

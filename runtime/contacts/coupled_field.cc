@@ -223,7 +223,7 @@ void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
     at.touch_m[a] = node.touch_offset_m;
     // s_m b_m with s_m = 1 of the added modes, -1 of the others.
     for (int m = 0; m < set.modes; ++m) {
-      const Real b = row[a].mode[static_cast<std::size_t>(m)];
+      const auto b = static_cast<Real>(row[a].mode[static_cast<std::size_t>(m)]);
       at.signed_mode(m, static_cast<Index>(a)) = m < set.added_modes ? b : -b;
     }
     for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {

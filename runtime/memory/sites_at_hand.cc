@@ -13,7 +13,7 @@ constexpr Real kNoReach = 1e-30;
 // Position of a site, added if it is new.
 std::size_t claim_position(SitesAtHand& sites, std::int32_t site) {
   const auto begin = sites.site.begin();
-  const auto end = begin + sites.count;
+  const auto end = begin + static_cast<std::ptrdiff_t>(sites.count);
   const auto found = std::find(begin, end, site);
   if (found == end) {
     sites.share[sites.count].fill(Real(0.0));
@@ -26,7 +26,7 @@ std::size_t claim_position(SitesAtHand& sites, std::int32_t site) {
 // What was at hand until now of a site: its position, or -1.
 int position_in(const SitesAtHand& sites, std::int32_t site) {
   const auto begin = sites.site.begin();
-  const auto end = begin + sites.count;
+  const auto end = begin + static_cast<std::ptrdiff_t>(sites.count);
   const auto found = std::find(begin, end, site);
   return found == end ? -1 : static_cast<int>(found - begin);
 }

@@ -178,7 +178,8 @@ void StaticField::force_n(const Eigen::Ref<const Points>& position_m,
                           Eigen::Ref<Points> into_n, unsigned threads) const {
   check_finite(position_m);
   const Eigen::Index most = 1 + position_m.rows() / kRowsAThread;
-  threads = static_cast<unsigned>(std::min<Eigen::Index>(thread_count(threads), most));
+  threads = static_cast<unsigned>(
+      std::min(static_cast<Eigen::Index>(thread_count(threads)), most));
   const std::vector<Row> near = by_cell(position_m);
   std::vector<std::int32_t> triangle(near.size());
   in_parts(threads, near.size(), [&](std::size_t begin, std::size_t end) {

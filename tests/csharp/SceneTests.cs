@@ -75,6 +75,16 @@ public static class SceneTests
         Check.Equal(null, body.Body);
     }
 
+    public static void ADatabaseMayBeAnAsset()
+    {
+        PalpateBody body = Stand("none.h5", "", Vector3.zero);
+        body.gameObject.SetActive(false);
+        body.database = new TextAsset { bytes = System.IO.File.ReadAllBytes(Given.File("plate.palpate")) };
+        body.gameObject.SetActive(true);
+        Check.Equal(121, body.Body.VertexCount);
+        body.gameObject.SetActive(false);
+    }
+
     public static void ATransformPressesWhereTheBodyStands()
     {
         PalpateBody body = Stand("plate.h5", "", new Vector3(1, 2, 3));

@@ -29,7 +29,7 @@ compile_all() {
   assembly "$unity/Samples~/PressWithMouse"
   awk -v to="$folder/example" '/^```csharp$/ {on = 1; ++n; next} /^```$/ {on = 0}
     on {print > (to n ".cs")}' "$unity/README.md"
-  local engine=(-r:Palpate.dll -r:Palpate.Unity.dll -r:UnityEngine.dll)
+  local engine=(-r:Palpate.Core.dll -r:Palpate.Unity.dll -r:UnityEngine.dll)
   compile examples.dll -target:library "${engine[@]}" "$folder"/example*.cs
   compile tests.exe "${engine[@]}" -r:Palpate.PressWithMouse.dll -r:examples.dll "$here"/*.cs
 }
@@ -38,6 +38,6 @@ compile_all() {
 compile_c() {  # SUFFIX LIBRARY COMPILER...
   "${@:3}" -std=c99 -O2 -Wall -Wextra -Wpedantic -I"$source/runtime/c_api" "$here/host.c" \
     -o "$folder/host$1" "$2"
-  "$here/layout" "$source"/runtime/c_api/palpate{,_draw,_needle}.h > "$folder/layout.c"
+  "$here/layout" "$source"/runtime/c_api/palpate*.h > "$folder/layout.c"
   "${@:3}" -std=c99 "$folder/layout.c" -o "$folder/layout$1"
 }

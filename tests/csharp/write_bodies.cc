@@ -1,7 +1,7 @@
 // csharp_bodies FOLDER: what the tests of the C# files press. f = 2e4 d^2 everywhere.
 //   plate.h5   one contact         pads.h5    tools "pads" (three contacts) and "ball",
 //   dents.h5   yields                         with displacement fields
-//   needle.h5  is punctured
+//   needle.h5  is punctured       relaxing.h5  relaxes
 #include <filesystem>
 
 #include "formats/database/table_memory.h"
@@ -47,6 +47,18 @@ ResponseDatabase dented_plate() {
   return database;
 }
 
+// A plate whose force relaxes by a half.
+ResponseDatabase relaxing_plate() {
+  ResponseDatabase database = soft_plate();
+  palpate::Viscoelasticity relaxes;
+  relaxes.instantaneous = true;
+  relaxes.tau_s = {0.05, 0.6};
+  relaxes.g.resize(1, 2);
+  relaxes.g << 0.3F, 0.2F;
+  palpate::give_memory(database.body, database.normal, relaxes, 2, database.tools[0]);
+  return database;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -59,6 +71,7 @@ int main(int argc, char** argv) {
   palpate::write_database(folder / "pads.h5", pads);
   palpate::write_database(folder / "plate.h5", soft_plate());
   palpate::write_database(folder / "dents.h5", dented_plate());
+  palpate::write_database(folder / "relaxing.h5", relaxing_plate());
   palpate::write_database(folder / "needle.h5", palpate::punctured_plate());
   return 0;
 }

@@ -34,8 +34,9 @@ void note_allocation() noexcept {
 
 }  // namespace palpate::test
 
-// A sanitizer owns malloc; there operator new alone is counted, on top of its malloc.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// A sanitizer owns malloc, and other C libraries have no second name for theirs: there
+// operator new alone is counted, on top of malloc.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
 
 namespace {
 

@@ -1,7 +1,6 @@
 // Runs one of the command-line tools as a user would.
 #pragma once
 
-#include <csignal>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,10 +23,10 @@ struct ToolRun {
                                              int milliseconds);
 
 /// Starts the tool and sends it a signal as soon as `now` is true, unless it ends
-/// before.
+/// before. @param signal SIGKILL unless stated
 [[nodiscard]] ToolRun kill_tool_process(const std::string& tool,
                                         const std::vector<std::string>& arguments,
                                         const std::function<bool()>& now,
-                                        int signal = SIGKILL);
+                                        int signal = 9);
 
 }  // namespace palpate

@@ -4,6 +4,10 @@
 #include <fstream>
 #include <iterator>
 
+#include <fmt/format.h>
+
+#include "formats/base/durable_file.h"
+
 namespace palpate {
 
 std::optional<std::filesystem::path> test_data(const std::string& name) {
@@ -24,8 +28,11 @@ std::string bytes_of(const std::filesystem::path& file) {
 }
 
 ScratchFolder::ScratchFolder() {
-  std::string name = std::filesystem::temp_directory_path() / "palpate-test-XXXXXX";
-  path_ = mkdtemp(name.data());
+  int attempt = 0;
+  do {
+    path_ = std::filesystem::temp_directory_path() /
+            fmt::format("palpate-test-{}-{}", process_id(), attempt++);
+  } while (!std::filesystem::create_directory(path_));
 }
 
 ScratchFolder::~ScratchFolder() {

@@ -3,16 +3,14 @@
 #include "formats/report/standalone_page.h"
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "formats/report/gzip_bytes.h"
-#include "formats/report/html_page.h"
+#include "tests/support/carried_page.h"
 
 namespace palpate {
 namespace {
@@ -23,27 +21,6 @@ std::vector<std::byte> some_bytes(std::size_t count) {
     bytes.push_back(static_cast<std::byte>((i * i + i / 7) % 251));
   }
   return bytes;
-}
-
-std::vector<std::byte> unpacked(std::span<const std::byte> packed, std::size_t room) {
-  std::vector<std::byte> bytes(room);
-  z_stream stream{};
-  EXPECT_EQ(inflateInit2(&stream, MAX_WBITS + 16), Z_OK);
-  std::vector<std::byte> from(packed.begin(), packed.end());
-  stream.next_in = reinterpret_cast<Bytef*>(from.data());
-  stream.avail_in = static_cast<uInt>(from.size());
-  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
-  stream.avail_out = static_cast<uInt>(bytes.size());
-  EXPECT_EQ(inflate(&stream, Z_FINISH), Z_STREAM_END);
-  bytes.resize(stream.total_out);
-  inflateEnd(&stream);
-  return bytes;
-}
-
-// The text of an element of the page.
-std::string element(const std::string& html, const std::string& id) {
-  const std::size_t begin = html.find('>', html.find("id=\"" + id + "\"")) + 1;
-  return html.substr(begin, html.find("</script>", begin) - begin);
 }
 
 std::string page() {
@@ -58,16 +35,16 @@ std::string page() {
 TEST(GzipBytes, AreUnpackedToWhatWasPacked) {
   for (const std::size_t count : {0, 1, 100000}) {
     const std::vector<std::byte> bytes = some_bytes(count);
-    EXPECT_EQ(unpacked(gzip_bytes(bytes), count + 1), bytes);
+    EXPECT_EQ(from_gzip(gzip_bytes(bytes)), bytes);
   }
   EXPECT_LT(gzip_bytes(std::vector<std::byte>(100000)).size(), 1000U);
 }
 
 TEST(StandalonePage, CarriesDatabaseModuleAndNames) {
   const std::string html = page();
-  EXPECT_EQ(element(html, "database"), base64(gzip_bytes(some_bytes(30000))));
-  EXPECT_EQ(element(html, "module"), base64(gzip_bytes(some_bytes(1000))));
-  const auto about = nlohmann::json::parse(element(html, "about"));
+  EXPECT_EQ(page_block(html, "database"), some_bytes(30000));
+  EXPECT_EQ(page_block(html, "module"), some_bytes(1000));
+  const auto about = nlohmann::json::parse(page_element(html, "about"));
   EXPECT_EQ(about["name"], "</script><b>.h5");
   EXPECT_EQ(about["tools"], (std::vector<std::string>{"ball", "pads"}));
   EXPECT_EQ(about["left_out"], "nothing");

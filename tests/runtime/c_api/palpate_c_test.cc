@@ -175,7 +175,7 @@ TEST_F(PalpateC, WhatHasYieldedOutlivesAResetAndTheProcess) {
   EXPECT_NEAR(state.dent, 0.4 * 0.002, 1e-12);
   EXPECT_GT(state.yielded_j, 0.0);
   EXPECT_NEAR(state.work_j, state.stored_j + state.tank_j + state.dissipated_j, 1e-12);
-  const std::string surface = folder_ / "surface.h5";
+  const std::string surface = (folder_ / "surface.h5").string();
   ASSERT_EQ(palpate_surface_save(tool, surface.c_str(), error_, sizeof error_), 0)
       << error_;
   palpate_reset(tool);

@@ -120,22 +120,20 @@ namespace Palpate
         /// <exception cref="PalpateException">With the library's reason.</exception>
         public Body(string file, BodyOptions options = null)
         {
-            Library.RequireVersion();
-            BodyOptions given = options ?? new BodyOptions();
-            byte[] why = new byte[Text.Room];
-            IntPtr body;
-            fixed (byte* name = Text.ToNative(file), tool = Text.ToNative(given.ToolName),
-                   model = Text.ToNative(given.Model), server = Text.ToNative(given.Server),
-                   output = Text.ToNative(given.Output), error = why)
+            handle = Opened(file, null, options ?? new BodyOptions());
+        }
+
+        /// <param name="bytes">Of a database: a flat file, or HDF5. With BodyFlags.Streamed the
+        /// body holds the array, which must stay as it is.</param>
+        /// <param name="options">Null: every default.</param>
+        /// <exception cref="PalpateException">With the library's reason.</exception>
+        public Body(byte[] bytes, BodyOptions options = null)
+        {
+            if (bytes == null)
             {
-                NativeOptions all = given.Filled(tool, model, server, output);
-                body = Native.palpate_open(name, &all, error, Room);
+                throw new ArgumentNullException("bytes");
             }
-            if (body == IntPtr.Zero)
-            {
-                throw new PalpateException(Text.FromNative(why));
-            }
-            handle = new BodyHandle(body);
+            handle = Opened(null, bytes, options ?? new BodyOptions());
         }
 
         /// <summary>One for each tool of the host, at most 16 of a body; a disposed one counts.
@@ -291,6 +289,35 @@ namespace Palpate
                 }
                 return handle;
             }
+        }
+
+        // Of a file where there are no bytes.
+        private static BodyHandle Opened(string file, byte[] bytes, BodyOptions given)
+        {
+            Library.RequireVersion();
+            byte[] why = new byte[Text.Room];
+            bool keeps = bytes != null && (given.Flags & BodyFlags.Streamed) != 0;
+            GCHandle kept = keeps ? GCHandle.Alloc(bytes, GCHandleType.Pinned) : default(GCHandle);
+            IntPtr body;
+            fixed (byte* name = Text.ToNative(file), tool = Text.ToNative(given.ToolName),
+                   model = Text.ToNative(given.Model), server = Text.ToNative(given.Server),
+                   output = Text.ToNative(given.Output), error = why, all = bytes)
+            {
+                NativeOptions options = given.Filled(tool, model, server, output);
+                body = bytes == null
+                    ? Native.palpate_open(name, &options, error, Room)
+                    : Native.palpate_open_memory(all, (UIntPtr)bytes.Length, &options, error,
+                                                 Room);
+            }
+            if (body != IntPtr.Zero)
+            {
+                return new BodyHandle(body, kept);
+            }
+            if (keeps)
+            {
+                kept.Free();
+            }
+            throw new PalpateException(Text.FromNative(why));
         }
 
         private Tool Opened(IntPtr tool, byte[] why, int hands)

@@ -14,13 +14,24 @@ namespace Palpate
     // A body ends with its last holder: its own object, or any of its tools.
     internal sealed class BodyHandle : SafeHandle
     {
-        public BodyHandle(IntPtr body) : base(IntPtr.Zero, true) { SetHandle(body); }
+        private GCHandle bytes;
+
+        /// <param name="bytes">What the body reads until it ends; none: default.</param>
+        public BodyHandle(IntPtr body, GCHandle bytes) : base(IntPtr.Zero, true)
+        {
+            this.bytes = bytes;
+            SetHandle(body);
+        }
 
         public override bool IsInvalid { get { return handle == IntPtr.Zero; } }
 
         protected override bool ReleaseHandle()
         {
             Native.palpate_close(handle);
+            if (bytes.IsAllocated)
+            {
+                bytes.Free();
+            }
             return true;
         }
     }
@@ -86,6 +97,11 @@ namespace Palpate
         [DllImport(Name, CallingConvention = C)]
         public static extern IntPtr palpate_open(byte* file, NativeOptions* options,
                                                  byte* error, UIntPtr errorBytes);
+
+        [DllImport(Name, CallingConvention = C)]
+        public static extern IntPtr palpate_open_memory(byte* bytes, UIntPtr byteCount,
+                                                        NativeOptions* options, byte* error,
+                                                        UIntPtr errorBytes);
 
         [DllImport(Name, CallingConvention = C)]
         public static extern IntPtr palpate_tool_open(BodyHandle body, byte* error,

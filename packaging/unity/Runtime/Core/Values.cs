@@ -1,5 +1,5 @@
-// What goes through the C interface, in the layout of palpate.h, palpate_draw.h and
-// palpate_needle.h, whose comments hold here.
+// What goes through the C interface, in the layout of the headers palpate*.h, whose comments
+// hold here.
 using System;
 using System.Runtime.InteropServices;
 

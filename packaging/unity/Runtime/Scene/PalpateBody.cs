@@ -18,6 +18,8 @@ namespace Palpate.Unity
     {
         [Tooltip("Response database: a path, of StreamingAssets if it is relative.")]
         public string file = "body.h5";
+        [Tooltip("The same as an asset, a file *.bytes; if it is set, the path is not used.")]
+        public TextAsset database;
         [Tooltip("The database's tool; empty: its only one.")]
         public string toolName = "";
         [Tooltip("Local model; empty: potential.")]
@@ -130,7 +132,9 @@ namespace Palpate.Unity
                 DeviceDampingNSPerM = deviceDampingNSPerM,
                 Flags = limitStiffness ? BodyFlags.LimitStiffness : BodyFlags.None
             };
-            body = new Body(Path.Combine(Application.streamingAssetsPath, file), options);
+            body = database == null
+                ? new Body(Path.Combine(Application.streamingAssetsPath, file), options)
+                : new Body(database.bytes, options);
             Draw();
             Place();
         }

@@ -1,5 +1,3 @@
-#include "tests/support/run_tool.h"
-
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -11,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
