@@ -47,7 +47,7 @@ palpate_precompiled_headers()
 palpate_library(formats PIC
   ROOMS formats/base formats/stored formats/hdf5 formats/flat formats/forms formats/mesh
         formats/response formats/database formats/recording formats/service
-  LEFT_OUT formats/base/\(command_line|command_words|man_page|toml_text|socket_peer\)
+  LEFT_OUT formats/base/\(command_line|command_words|man_page|toml_text\)
   DEPENDS Eigen3::Eigen fmt::fmt
   PRIVATE_DEPENDS nlohmann_json::nlohmann_json)
 palpate_library(fast PIC

@@ -3,3 +3,6 @@
 set(CMAKE_C_COMPILER clang-22)
 set(CMAKE_CXX_COMPILER clang++-22)
 set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)
+# The archive: an older libc++.so may be installed beside it.
+set(CMAKE_EXE_LINKER_FLAGS_INIT -static-libstdc++)
+set(CMAKE_SHARED_LINKER_FLAGS_INIT -static-libstdc++)

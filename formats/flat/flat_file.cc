@@ -11,6 +11,7 @@
 
 #include "formats/base/believed_bytes.h"
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/flat/flat_directory.h"
 
 namespace palpate {
@@ -217,9 +218,9 @@ std::unique_ptr<const StoredFile> open_flat(const std::filesystem::path& file) {
       believed_bytes(file) < std::filesystem::file_size(file, unknown)) {
     throw FormatError(
         fmt::format("{}: has holes: most of its {} bytes were never written",
-                    file.string(), std::filesystem::file_size(file, unknown)));
+                    utf8_of(file), std::filesystem::file_size(file, unknown)));
   }
-  return std::make_unique<const FlatFile>(file.string(),
+  return std::make_unique<const FlatFile>(utf8_of(file),
                                           std::make_unique<const BytesOnDisk>(file));
 }
 
