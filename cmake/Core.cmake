@@ -65,6 +65,20 @@ palpate_library(runtime PIC ROOMS runtime/hand runtime/render runtime/served run
   LEFT_OUT runtime/render/\(recorder|render_loop\)
   DEPENDS palpate::slow)
 palpate_c_library(palpate::runtime)
+
+# The runtime of a page that needs no server (docs/PAGE.md).
+if(NOT WIN32 AND NOT UNIX)
+  palpate_library(page ROOMS formats/report runtime/view
+    LEFT_OUT formats/report/\(body_svg|curves_svg|database_|gzip_|log_plot|markup_|page_export|pressure_|relaxation_|standalone_|surface_picture|taxel_\)
+             runtime/view/\(served_news|view_connection|view_policy|view_request|view_server|watch_view\)
+    DEPENDS palpate::runtime PRIVATE_DEPENDS nlohmann_json::nlohmann_json)
+  add_executable(palpate_module runtime/view/page_module.cc)
+  target_link_libraries(palpate_module PRIVATE palpate::page palpate_warnings)
+  # Functions to call, and no main().
+  target_link_options(palpate_module PRIVATE -mexec-model=reactor -Wl,--strip-all)
+  set_target_properties(palpate_module PROPERTIES OUTPUT_NAME palpate SUFFIX .wasm
+    RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/share/palpate)
+endif()
 if(WIN32)
   include(InstallWindows)
 endif()

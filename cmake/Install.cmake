@@ -20,6 +20,10 @@ foreach(tool palpate palpate-db palpate-precompute palpate-fit palpate-run)
   palpate_install_tool(${tool})
 endforeach()
 
+# What pages hold, where ./bootstrap page has built it.
+install(FILES ${PROJECT_BINARY_DIR}/share/palpate/palpate.wasm
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate COMPONENT tools OPTIONAL)
+
 install(TARGETS palpate_c EXPORT palpate
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
                 NAMELINK_COMPONENT dev)

@@ -24,6 +24,9 @@ echo
 echo "== 3. ten seconds on a simulated device, slow process 100 Hz, fast process 2 kHz =="
 "$bin/palpate-run" simulate "$out/organ.h5" --model element --seconds 10
 echo
+if [ -f "$bin/../share/palpate/palpate.wasm" ]; then  # by ./bootstrap page
+  "$bin/palpate-db" export "$out/organ.h5" --page "$out/organ.html"
+fi
 echo "Look at $out/organ.svg. Another model, and the two processes on real threads:"
 echo "  $bin/palpate-run simulate $out/organ.h5 --model energy-tank --seconds 10"
 echo "  $bin/palpate-run simulate $out/organ.h5 --clock real --seconds 10"

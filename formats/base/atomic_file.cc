@@ -9,6 +9,7 @@
 
 #include "formats/base/durable_file.h"
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 
 namespace palpate {
 namespace {
@@ -23,7 +24,7 @@ fs::path folder_of(const fs::path& file) {
 
 void cannot_be(const fs::path& file, const char* what, int error) {
   const std::string text =
-      fmt::format("{}: cannot be {}: {}", file.string(), what, std::strerror(error));
+      fmt::format("{}: cannot be {}: {}", utf8_of(file), what, std::strerror(error));
   if (is_passing(error)) {
     throw ResourceError(text);
   }
@@ -38,13 +39,13 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
   const fs::file_status status = fs::status(target_, ignored);
   if (!target_.has_filename() || (fs::exists(status) && !fs::is_regular_file(status))) {
     throw InputError(
-        fmt::format("{}: cannot be written: is not a regular file", target.string()));
+        fmt::format("{}: cannot be written: is not a regular file", utf8_of(target)));
   }
   int error = EEXIST;
   for (int attempt = 0; attempt < 1000 && error == EEXIST; ++attempt) {
-    temporary_ =
-        folder_of(target_) / fmt::format(".{}.{}-{}.tmp", target_.filename().string(),
-                                         process_id(), attempt);
+    temporary_ = folder_of(target_) /
+                 path_of_utf8(fmt::format(".{}.{}-{}.tmp", utf8_of(target_.filename()),
+                                          process_id(), attempt));
     error = create_file(temporary_);
   }
   if (error != 0) {

@@ -9,13 +9,14 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 
 namespace palpate {
 namespace {
 
 [[noreturn]] void cannot_be_read(const std::filesystem::path& file,
                                  const std::string& why) {
-  throw InputError(fmt::format("{}: cannot be read: {}", file.string(), why));
+  throw InputError(fmt::format("{}: cannot be read: {}", utf8_of(file), why));
 }
 
 }  // namespace
@@ -47,7 +48,7 @@ std::string read_file(const std::filesystem::path& file, std::size_t most_bytes,
   }
   if (bytes > most_bytes) {
     throw InputError(fmt::format("{}: is larger than {} bytes, must be {}",
-                                 file.string(), most_bytes, what));
+                                 utf8_of(file), most_bytes, what));
   }
   errno = 0;
   std::ifstream in(file, std::ios::binary);

@@ -14,6 +14,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/portable_sha256.h"
+#include "formats/base/utf8_path.h"
 
 namespace palpate {
 
@@ -72,7 +73,7 @@ std::string Sha256::hex() const {
 
 std::string sha256_of_file(const std::filesystem::path& file) {
   const auto fail = [&] {
-    return InputError(fmt::format("{}: cannot be read: {}", file.string(),
+    return InputError(fmt::format("{}: cannot be read: {}", utf8_of(file),
                                   std::strerror(errno == 0 ? EIO : errno)));
   };
   errno = 0;

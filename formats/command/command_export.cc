@@ -1,11 +1,13 @@
 // palpate-db export: a database as VTU, CSV or JSON, its pressure laws, the taxels
-// under its tool, or the whole of it as a flat file.
+// under its tool, the whole of it in the other form, flat or HDF5, or a page that
+// presses it.
 #include <charconv>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -14,9 +16,11 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/report/database_export.h"
+#include "formats/report/page_export.h"
 #include "formats/report/pressure_export.h"
 #include "formats/report/taxel_export.h"
 
@@ -27,7 +31,10 @@ struct ExportFlags {
   std::string file;
   std::string output;
   std::string flat;
-  std::string tool;
+  std::string hdf5;
+  std::string page;
+  std::string module;
+  std::vector<std::string> tools;
   bool pressure_law = false;
   std::string taxels;  // "16x16": columns, rows
   double pitch_m = 0.001;
@@ -120,33 +127,95 @@ void print_export(const std::string& output, const ResponseDatabase& database,
   }
 }
 
+void write_text(const std::string& output, std::string_view text) {
+  AtomicFile file(output);
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
 // The whole database, all tools.
-void run_flat(const ExportFlags& flags) {
-  if (!flags.output.empty() || !flags.tool.empty() || flags.pressure_law ||
-      !flags.taxels.empty()) {
+void run_form(const ExportFlags& flags) {
+  if (!flags.output.empty() || !flags.page.empty() || !flags.tools.empty() ||
+      flags.pressure_law || !flags.taxels.empty() ||
+      (!flags.flat.empty() && !flags.hdf5.empty())) {
     throw InputError(
-        "--flat writes the whole database: it goes without --output, "
-        "--tool, --pressure-law and --taxels");
+        "--flat and --hdf5 write the whole database: each goes without the other, "
+        "--output, --page, --tool, --pressure-law and --taxels");
   }
+  const bool flat = !flags.flat.empty();
+  const std::string& output = flat ? flags.flat : flags.hdf5;
   const ResponseDatabase database = read_database(flags.file);
-  write_database(flags.flat, database, StoredForm::kFlat);
-  print_export(flags.flat, database, flags.json);
+  write_database(output, database, flat ? StoredForm::kFlat : StoredForm::kHdf5);
+  print_export(output, database, flags.json);
+}
+
+// The runtime that pages hold: named, or where it was built or installed.
+std::string page_module(const ExportFlags& flags) {
+  std::error_code none;
+  const std::filesystem::path module =
+      flags.module.empty()
+          ? std::filesystem::read_symlink("/proc/self/exe", none).parent_path() /
+                "../share/palpate/palpate.wasm"
+          : std::filesystem::path(flags.module);
+  if (!std::filesystem::exists(module, none)) {
+    throw InputError(
+        fmt::format("{}: is not there, a page holds it: build it by ./bootstrap page, "
+                    "or name one by --module",
+                    module.lexically_normal().string()));
+  }
+  return read_file(module);
+}
+
+void run_page(const ExportFlags& flags) {
+  if (!flags.output.empty() || flags.pressure_law || !flags.taxels.empty()) {
+    throw InputError(
+        "--page writes a page: it goes without --output, --pressure-law and --taxels");
+  }
+  const std::string module = page_module(flags);
+  const ResponseDatabase database = read_database(flags.file);
+  const PageExport page =
+      page_of(database, std::filesystem::path(flags.file).filename().string(),
+              flags.tools, std::as_bytes(std::span(module)));
+  write_text(flags.page, page.html);
+  if (!page.left_out.empty()) {
+    fmt::print(stderr, "{}\n", page.left_out);
+  }
+  if (page.html.size() > kPageBytes) {
+    fmt::print(stderr,
+               "{}: has {} bytes, more than {}: write a part of the body, by "
+               "palpate-db slice\n",
+               flags.page, page.html.size(), kPageBytes);
+  }
+  print_export(flags.page, database, flags.json);
+}
+
+// The one that is named, if any.
+std::string tool_of(const ExportFlags& flags) {
+  if (flags.tools.size() > 1) {
+    throw InputError(
+        fmt::format("--tool names {} tools: one is written, pages of two "
+                    "hands take two",
+                    flags.tools.size()));
+  }
+  return flags.tools.empty() ? "" : flags.tools.front();
 }
 
 void run_export(const ExportFlags& flags) {
-  if (!flags.flat.empty()) {
-    run_flat(flags);
+  if (!flags.page.empty() && flags.flat.empty() && flags.hdf5.empty()) {
+    run_page(flags);
+    return;
+  }
+  if (!flags.flat.empty() || !flags.hdf5.empty()) {
+    run_form(flags);
     return;
   }
   if (flags.output.empty()) {
-    throw InputError("where to write must be named: --output FILE, or --flat FILE");
+    throw InputError(
+        "where to write must be named: --output, --flat, --hdf5 or --page FILE");
   }
   const Export text_of = export_of(flags);
   const ResponseDatabase database = read_database(flags.file);
-  const std::string text = text_of(database, find_tool(database, flags.tool));
-  AtomicFile file(flags.output);
-  file.write(std::as_bytes(std::span(text)));
-  file.commit();
+  write_text(flags.output, text_of(database, find_tool(database, tool_of(flags))));
   print_export(flags.output, database, flags.json);
 }
 
@@ -162,7 +231,20 @@ void add_export_command(Command app) {
                      "File to write: .vtu, .csv or .json");
   command.add_option("--flat", flags->flat,
                      "Write the whole database as a flat file instead: FLAT.md");
-  command.add_option("--tool", flags->tool, "Tool, if there are several");
+  command.add_option("--hdf5", flags->hdf5,
+                     "Write the whole database as an HDF5 file instead");
+  command.add_option("--page", flags->page,
+                     "Write a page that presses the body instead, with all that it "
+                     "needs in one file: PAGE.md");
+  command.add_option(
+      "--module", flags->module,
+      "Of pages: their runtime, palpate.wasm; if not given, the one that "
+      "was built or installed");
+  command
+      .add_option("--tool", flags->tools,
+                  "Tool, if there are several; of pages also two for two hands: a,b")
+      .separated_by(',')
+      .one_value_each();
   command.add_flag(
       "--pressure-law", flags->pressure_law,
       "Write pressure by depth of a sphere's presses instead: .csv or .json");

@@ -4,11 +4,14 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "formats/base/believed_bytes.h"
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/flat/flat_directory.h"
 
 namespace palpate {
@@ -47,7 +50,7 @@ class BytesInMemory final : public Bytes {
 class BytesOnDisk final : public Bytes {
  public:
   explicit BytesOnDisk(const std::filesystem::path& file)
-      : in_(file, std::ios::binary), size_(std::filesystem::file_size(file)) {}
+      : in_(file, std::ios::binary), size_(believed_bytes(file)) {}
   [[nodiscard]] std::uint64_t size() const override { return size_; }
   [[nodiscard]] bool read(std::uint64_t begin, std::uint64_t count,
                           void* to) const override {
@@ -211,7 +214,13 @@ std::unique_ptr<const StoredDataset> FlatFile::dataset(const std::string& path) 
 }  // namespace
 
 std::unique_ptr<const StoredFile> open_flat(const std::filesystem::path& file) {
-  return std::make_unique<const FlatFile>(file.string(),
+  if (std::error_code unknown;
+      believed_bytes(file) < std::filesystem::file_size(file, unknown)) {
+    throw FormatError(
+        fmt::format("{}: has holes: most of its {} bytes were never written",
+                    utf8_of(file), std::filesystem::file_size(file, unknown)));
+  }
+  return std::make_unique<const FlatFile>(utf8_of(file),
                                           std::make_unique<const BytesOnDisk>(file));
 }
 

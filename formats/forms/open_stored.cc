@@ -11,6 +11,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/utf8_path.h"
 #include "formats/flat/flat_directory.h"
 #include "formats/flat/flat_file.h"
 #include "formats/hdf5/hdf5_file.h"
@@ -33,14 +34,14 @@ FileBegin begin_of(const std::filesystem::path& file) {
   std::array<char, kMagicBytes> magic{};
   in.read(magic.data(), magic.size());
   if (in.bad() || (!in && !in.eof())) {
-    throw InputError(fmt::format("{}: cannot be opened: {}", file.string(),
+    throw InputError(fmt::format("{}: cannot be opened: {}", utf8_of(file),
                                  std::strerror(errno == 0 ? EIO : errno)));
   }
   std::error_code unknown;
   const std::uintmax_t bytes = std::filesystem::file_size(file, unknown);
   if (unknown) {
     throw InputError(
-        fmt::format("{}: cannot be opened: {}", file.string(), unknown.message()));
+        fmt::format("{}: cannot be opened: {}", utf8_of(file), unknown.message()));
   }
   return {{magic.data(), static_cast<std::size_t>(in.gcount())}, bytes};
 }

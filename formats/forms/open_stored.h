@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "formats/base/utf8_path.h"
 #include "formats/stored/stored_reader.h"
 #include "formats/stored/stored_writer.h"
 
@@ -25,10 +26,10 @@ class StoredSource {
   /// @param name for messages
   explicit StoredSource(std::span<const std::byte> bytes,
                         std::string name = "bytes in memory")
-      : path_(std::move(name)), bytes_(bytes), in_memory_(true) {}
+      : path_(path_of_utf8(name)), bytes_(bytes), in_memory_(true) {}
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-  [[nodiscard]] std::string name() const { return path_.string(); }
+  [[nodiscard]] std::string name() const { return utf8_of(path_); }
   [[nodiscard]] bool in_memory() const noexcept { return in_memory_; }
   [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
 

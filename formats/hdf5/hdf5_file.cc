@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
+#include "formats/base/believed_bytes.h"
 #include "formats/hdf5/hdf5_handle.h"
 #include "formats/hdf5/hdf5_lock.h"
 
@@ -75,22 +76,6 @@ Layout layout_of(hid_t dataset) {
     }
   }
   return filters > 0 ? Layout::kCompressed : Layout::kForeign;
-}
-
-// Deflate makes at most 1032 bytes of one.
-constexpr std::uint64_t kInflation = 1032;
-
-// Of a file with holes nothing larger is believed. [bytes]
-constexpr std::uintmax_t kSmall = std::uintmax_t{1} << 30;
-
-// What a file takes on its disk. A file system that compresses writes less than the
-// file's size, but not less than deflate would. [bytes]
-std::uintmax_t written_bytes(const std::filesystem::path& file) {
-  struct stat status {};
-  constexpr std::uintmax_t kBlock = 512;
-  return ::stat(file.c_str(), &status) == 0
-             ? kBlock * static_cast<std::uintmax_t>(status.st_blocks)
-             : 0;
 }
 
 class Hdf5File;
@@ -355,16 +340,12 @@ bool has_hdf5() noexcept {
 }
 
 std::unique_ptr<const StoredFile> open_hdf5(const std::filesystem::path& file) {
-  // A file with holes states any size at no cost. Its size is then no measure of how
-  // much memory its datasets may ask for.
-  const std::uintmax_t bytes = std::filesystem::file_size(file);
-  const std::uintmax_t written = written_bytes(file);
-  return std::make_unique<const Hdf5File>(
-      file.string(), bytes,
-      bytes / kInflation > written ? std::min(bytes, std::max(kSmall, written)) : bytes,
-      [&] {
-        return hdf5::open_read_only(file);
-      });
+  std::error_code unknown;
+  return std::make_unique<const Hdf5File>(file.string(),
+                                          std::filesystem::file_size(file, unknown),
+                                          believed_bytes(file), [&] {
+                                            return hdf5::open_read_only(file);
+                                          });
 }
 
 std::unique_ptr<const StoredFile> open_hdf5(std::span<const std::byte> bytes,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/hdf5/hdf5_file.h"
 #include "formats/hdf5/hdf5_lock.h"
 
@@ -22,7 +23,7 @@ bool has_hdf5() noexcept {
 }
 
 std::unique_ptr<const StoredFile> open_hdf5(const std::filesystem::path& file) {
-  is_hdf5(file.string());
+  is_hdf5(utf8_of(file));
 }
 
 std::unique_ptr<const StoredFile> open_hdf5(std::span<const std::byte> /*bytes*/,

@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/utf8_path.h"
 #include "formats/hdf5/hdf5_handle.h"
 #include "formats/hdf5/hdf5_lock.h"
 #include "formats/recording/contact_recording.h"
@@ -45,7 +46,7 @@ class Reader {
   std::vector<Row> rows(std::span<const Column> columns, bool ended) const;
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw FormatError(fmt::format("{}: {}", file_.string(), what));
+    throw FormatError(fmt::format("{}: {}", utf8_of(file_), what));
   }
 
  private:
@@ -79,7 +80,7 @@ Reader::Reader(const fs::path& file) : file_(file), id_(-1, H5Fclose) {
   std::error_code unknown;
   bytes_ = fs::file_size(file, unknown);
   if (in.bad() || unknown || (!in && !in.eof())) {
-    throw InputError(fmt::format("{}: cannot be opened: {}", file.string(),
+    throw InputError(fmt::format("{}: cannot be opened: {}", utf8_of(file),
                                  unknown ? unknown.message() : "cannot be read"));
   }
   if (std::memcmp(head.data(), "\x89HDF\r\n\x1a\n", head.size()) != 0) {
@@ -343,7 +344,7 @@ Recording read_recording(const fs::path& file) {
   if (reader.has_group("/channel")) {
     surface.channels = reader.rows<ChannelRow>(recording::kChannelColumns, true);
   }
-  check_kept(surface, fmt::format("{}: /surface", file.string()));
+  check_kept(surface, fmt::format("{}: /surface", utf8_of(file)));
   recording.tick = reader.rows<TickRecord>(recording::tick_columns(recording.header),
                                            recording.ended);
   recording.arrival = reader.rows<ArrivalRecord>(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/recording/recording_writer.h"
 
 namespace palpate {
@@ -14,7 +15,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file,
   throw InputError(fmt::format(
       "{}: cannot be written: recordings are HDF5 files, which this build does not "
       "write",
-      file.string()));
+      utf8_of(file)));
 }
 
 RecordingWriter::~RecordingWriter() = default;
@@ -28,7 +29,7 @@ void RecordingWriter::finish(const RecordingEnd& /*end*/) {}
 Recording read_recording(const std::filesystem::path& file) {
   throw InputError(fmt::format(
       "{}: cannot be read: recordings are HDF5 files, which this build does not read",
-      file.string()));
+      utf8_of(file)));
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/lines.h"
+#include "formats/base/utf8_path.h"
 #include "formats/forms/open_stored.h"
 
 namespace palpate {
@@ -227,7 +228,7 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
       exchange_channels(in, tool, cut);
       kept.channels = channels_of(in, tool, cut);
     }
-    check_kept(kept, fmt::format("{}: /tools/{}", file.string(), tool));
+    check_kept(kept, fmt::format("{}: /tools/{}", utf8_of(file), tool));
   }
   if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");
@@ -242,7 +243,7 @@ SurfaceState read_surface_state(const std::filesystem::path& file,
   if (state.database_sha256 != sha256) {
     throw InputError(fmt::format(
         "{}: is the surface of another body, {} ({:.12}...), must be of {} ({:.12}...)",
-        file.string(), state.database, state.database_sha256, database, sha256));
+        utf8_of(file), state.database, state.database_sha256, database, sha256));
   }
   return state;
 }

@@ -25,8 +25,8 @@ struct PageExport {
 ///   raw measurements and measured holds, uncertainties of samples, what solves tried
 ///   and why some failed; the other tools; without several contacts, how they couple
 ///
-/// A page that would be larger than `bytes_most` keeps depths and forces as int16
-/// (1/32767 of a node's largest); one that is still larger leaves out the stored
+/// A page that would be larger than `bytes_most` keeps depths and forces as int16,
+/// 1/32767 of a node's largest. One that is still larger leaves out the stored
 /// displacements. No more is cut: then the page is larger.
 /// @param tools one, or two for two hands; none: the only one
 /// @param module palpate.wasm

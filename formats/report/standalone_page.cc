@@ -95,10 +95,11 @@ std::string standalone_page(const StandaloneBody& body,
   const nlohmann::ordered_json about = {
       {"name", body.name}, {"tools", body.tools}, {"left_out", body.left_out}};
   put(html, "</body>",
-      fmt::format("<!-- {} -->\n{}{}{}{}<script>{}</script>\n</body>",
-                  asset("/vendor_licenses.txt"), page_json("about", about),
-                  block("files", bytes_of(modules())), block("module", module),
-                  block("database", body.flat), asset(kStart)));
+      fmt::format("<!-- {}\n{} -->\n{}{}{}{}<script>{}</script>\n</body>",
+                  asset("/vendor_licenses.txt"), asset("/module_licenses.txt"),
+                  page_json("about", about), block("files", bytes_of(modules())),
+                  block("module", module), block("database", body.flat),
+                  asset(kStart)));
   return html;
 }
 

@@ -1,5 +1,6 @@
-// The live view's page as one file that needs no server and no network: its scripts,
-// the runtime as WebAssembly, and a database in flat form. It opens from a disk.
+// The live view's page as one file that needs no server and no network. It holds its
+// scripts, the runtime as WebAssembly, and a database in flat form. It opens from a
+// disk.
 #pragma once
 
 #include <cstddef>

@@ -177,12 +177,11 @@ class StoredReader {
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
  private:
-  // A dataset stays open: readers of chunks come back to it. Its bytes and its units
-  // were checked where `units` says which.
+  // A dataset stays open: readers of chunks come back to it.
   struct Kept {
     std::unique_ptr<const StoredDataset> dataset;
-    bool whole = false;
-    std::string units = {};
+    bool whole = false;      // its bytes were looked for
+    std::string units = {};  // as it has them; empty: nobody looked
   };
   struct Checked {
     const StoredDataset& dataset;

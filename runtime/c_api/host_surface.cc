@@ -3,6 +3,7 @@
 #include <string>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/recording/recording.h"
 
 namespace palpate {
@@ -26,7 +27,7 @@ void save_surface(const HostBody& body, const HostTool& tool,
     surface = read_state(body, file);
   }
   surface.writer = "libpalpate " PALPATE_VERSION;
-  surface.database = std::filesystem::path(body.file()).filename().string();
+  surface.database = utf8_of(path_of_utf8(body.file()).filename());
   surface.database_sha256 = body.sha256();
   put_surface(tool.kept(), tool.tables(), surface);
   write_surface_state(file, surface);

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/utf8_path.h"
 #include "formats/hdf5/hdf5_lock.h"
 #include "runtime/c_api/given_options.h"
 #include "runtime/c_api/guarded.h"
@@ -69,7 +70,8 @@ palpate_body* palpate_open(const char* file, const palpate_options* options,
     if (file == nullptr) {
       throw InputError("no file is named: the pointer is null");
     }
-    body = new palpate_body(file, palpate::host_options(options));
+    body =
+        new palpate_body(palpate::path_of_utf8(file), palpate::host_options(options));
     return 0;
   });
   return body;
@@ -218,7 +220,7 @@ int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
     if (tool == nullptr || file == nullptr) {
       throw InputError("no tool or no file: a pointer is null");
     }
-    palpate::save_surface(tool->body, tool->tool, file);
+    palpate::save_surface(tool->body, tool->tool, palpate::path_of_utf8(file));
     return 0;
   });
 }
@@ -232,7 +234,7 @@ int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
     }
     palpate::load_surface(tool->body, tool->tool,
                           file == nullptr ? std::optional<std::filesystem::path>()
-                                          : std::filesystem::path(file));
+                                          : palpate::path_of_utf8(file));
     return 0;
   });
 }

@@ -14,6 +14,7 @@
 
 #include "formats/base/error.h"
 #include "formats/recording/surface_state.h"
+#include "formats/report/page_assets.h"
 #include "runtime/bench/cylinder_body.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
@@ -24,7 +25,6 @@
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/view/live_view.h"
-#include "formats/report/page_assets.h"
 #include "runtime/view/served_news.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_policy.h"

@@ -88,6 +88,11 @@ public static class BodyTests
         Refused(new BodyOptions { RampS = -1 }, "start-up ramp");
         Refused(new BodyOptions { Flags = (BodyFlags)1024 }, "flags");
         Refused(new BodyOptions { DeviceAngularDampingNMS = -1 }, "angular damping");
+        if (Given.Windows)
+        {
+            Refused(new BodyOptions { Flags = BodyFlags.Scene }, "scenes");
+            return;
+        }
         Refused(new BodyOptions { Flags = BodyFlags.Scene, Server = "/nowhere/serve",
                                   Output = Given.File("out.h5") }, "/nowhere/serve");
         Refused(new BodyOptions { Flags = BodyFlags.Scene, Server = Given.File("serve"),

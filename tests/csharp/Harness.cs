@@ -17,6 +17,8 @@ public static class Given
 {
     public static string Folder;
 
+    public static bool Windows { get { return Path.DirectorySeparatorChar == '\\'; } }
+
     public static string File(string name) { return Path.Combine(Folder, name); }
 
     public static BodyOptions OwnSlowSteps(string tool = null)
@@ -35,7 +37,7 @@ public static class Given
             string text = host.StandardOutput.ReadToEnd();
             host.WaitForExit();
             Check.Equal(0, host.ExitCode);
-            return text.Split(new[] { '\n' }, StringSplitOptions.RemoveEmptyEntries);
+            return text.Replace("\r", "").Split(new[] { '\n' }, StringSplitOptions.RemoveEmptyEntries);
         }
     }
 }

@@ -29,7 +29,7 @@ compile_all() {
   assembly "$unity/Samples~/PressWithMouse"
   awk -v to="$folder/example" '/^```csharp$/ {on = 1; ++n; next} /^```$/ {on = 0}
     on {print > (to n ".cs")}' "$unity/README.md"
-  local engine=(-r:Palpate.dll -r:Palpate.Unity.dll -r:UnityEngine.dll)
+  local engine=(-r:Palpate.Core.dll -r:Palpate.Unity.dll -r:UnityEngine.dll)
   compile examples.dll -target:library "${engine[@]}" "$folder"/example*.cs
   compile tests.exe "${engine[@]}" -r:Palpate.PressWithMouse.dll -r:examples.dll "$here"/*.cs
 }

@@ -31,17 +31,12 @@ inline bool has_browser() {
              0;
 }
 
-/// What the script saw of a database. @param flags of the script.
-inline nlohmann::json seen_on_page(const ResponseDatabase& database,
-                                   const std::string& flags) {
-  const ScratchFolder folder;
-  write_database(folder / "plate.h5", database);
+/// What the script saw. @param page its first two words
+inline nlohmann::json scripted(const std::string& page, const std::string& flags) {
   const char* pictures = std::getenv("PALPATE_VIEW_PICTURES");
-  const auto tool =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpate-run";
-  const std::string command = fmt::format(
-      "/usr/bin/python3 tests/system/view_page.py '{}' '{}' {} {}", tool.string(),
-      (folder / "plate.h5").string(), pictures != nullptr ? pictures : "", flags);
+  const std::string command =
+      fmt::format("/usr/bin/python3 tests/system/view_page.py {} {} {}", page,
+                  pictures != nullptr ? pictures : "", flags);
   FILE* pipe = ::popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> piece{};
@@ -50,6 +45,17 @@ inline nlohmann::json seen_on_page(const ResponseDatabase& database,
   }
   EXPECT_EQ(::pclose(pipe), 0) << command;
   return parse_json(text);
+}
+
+/// What the script saw of a database. @param flags of the script.
+inline nlohmann::json seen_on_page(const ResponseDatabase& database,
+                                   const std::string& flags) {
+  const ScratchFolder folder;
+  write_database(folder / "plate.h5", database);
+  const auto tool =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpate-run";
+  return scripted(
+      fmt::format("'{}' '{}'", tool.string(), (folder / "plate.h5").string()), flags);
 }
 
 inline double norm(const nlohmann::json& v) {

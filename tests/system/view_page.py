@@ -1,7 +1,9 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
 view_page.py PALPATE-RUN DATABASE [FOLDER for pictures]
-             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle]
+             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle | --friction | --touch]
+view_page.py --own PAGE.html [FOLDER for pictures] [the same]: a page of its own, from a
+file; "log" is what its runtime was asked and told, in order. "refused": why it did not start.
 """
 
 import json
@@ -62,6 +64,77 @@ class Watcher:
         with self:
             self.socket.send(json.dumps(message))
             return self.role, self.next("refused")["why"]
+
+
+class OwnWatcher:
+    """Of a page of its own nobody else hears the runtime."""
+
+    def __init__(self, driver):
+        self.driver = driver
+
+    def state(self):
+        return self.driver.execute_script("return { ...window.palpate.state, trace: null };")
+
+
+# Before a page of its own starts: its worker keeps what it is asked, when frames are, and
+# what it tells, and gives it out when asked for.
+LISTEN = """
+const listen = `{
+  const log = [];
+  const post = self.postMessage.bind(self);
+  self.postMessage = (message, more) => {
+    const state = message[0] === "text" ? JSON.parse(message[1]) : {};
+    if (state.type === "state") {
+      const { force_n, depth_m, stored_j, memory_j, fault, hands } = state;
+      log.push({ told: { force_n, depth_m, stored_j, memory_j, fault,
+        hands: (hands ?? []).map((hand) => [...hand.force_n, ...hand.torque_n_m]) } });
+    }
+    post(message, more);
+  };
+  addEventListener("message", (event) => {
+    if (event.data === "log") {
+      event.stopImmediatePropagation();
+      post(["log", log]);
+    } else if (typeof event.data === "string" && event.data !== "go") {
+      log.push({ text: event.data });
+    }
+  });
+  const make = WebAssembly.instantiate;
+  WebAssembly.instantiate = async (...all) => {
+    const { instance: { exports } } = await make(...all);
+    return { instance: { exports: { ...exports, palpate_page_frame: (now) => {
+      log.push({ now });
+      exports.palpate_page_frame(now);
+    } } } };
+  };
+}`;
+const RealBlob = Blob;
+window.Blob = class extends RealBlob {
+  constructor(parts, options) {
+    super(String(parts[0]).includes("wasi_snapshot_preview1") ? [listen, ...parts] : parts, options);
+  }
+};
+const RealWorker = Worker;
+window.Worker = class extends RealWorker {
+  constructor(address) {
+    super(address);
+    window.listened = this;
+  }
+};
+"""
+
+LOG = """
+const done = arguments[0];
+window.listened.addEventListener("message", ({ data: [type, log] }) => type === "log" && done(log));
+window.listened.postMessage("log");
+"""
+
+PACE = """
+const done = arguments[0], begin = performance.now();
+let frames = 0;
+const count = (now) => now - begin > 2000 ? done(1000 * frames / (now - begin)) : (++frames, requestAnimationFrame(count));
+requestAnimationFrame(count);
+"""
 
 
 class Page:
@@ -179,6 +252,40 @@ def poke_by_keys(page, seen):
     page.picture("keys")
     page.keys(Keys.ESCAPE)
     page.wait(lambda: page.text("force") == "0.000" and page.text("state") == "free")
+
+
+CAMERA = "return window.palpate.view.camera.position.toArray();"
+
+
+def touch(page, watcher, seen):
+    """Fingers: one on the body, a second one beside it, one beside the body, a tap."""
+    tell = page.driver.execute_cdp_cmd
+    tell("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+    canvas = page.driver.find_element(By.ID, "canvas").rect
+    middle = {"x": canvas["x"] + canvas["width"] / 2, "y": canvas["y"] + canvas["height"] / 2, "id": 0}
+    beside = {"x": canvas["x"] + 12, "y": canvas["y"] + 150, "id": 1}
+
+    def fingers(kind, *at):
+        tell("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(at)})
+
+    fingers("touchStart", middle)
+    page.wait(lambda: page.number("force") > 0.01)
+    seen["finger_force_n"] = page.steady()
+    page.picture("finger")
+    fingers("touchStart", middle, beside)
+    page.wait(lambda: page.text("state") == "free" and page.text("force") == "0.000")
+    fingers("touchEnd")
+    seen["camera"] = [in_a_frame(page, CAMERA)]
+    fingers("touchStart", beside)
+    for step in range(1, 6):
+        fingers("touchMove", {**beside, "x": beside["x"] + 20 * step})
+    fingers("touchEnd")
+    settled(page)
+    seen["camera"].append(in_a_frame(page, CAMERA))
+    seen["turned_force"] = page.text("force")
+    fingers("touchStart", middle)
+    fingers("touchEnd")
+    page.wait(lambda: "node" in page.text("curve_title"))
 
 
 # The surface and the tool as they are drawn, beside what the runtime said of them.
@@ -419,53 +526,95 @@ def friction(page, watcher, seen):
     seen["lifted"] = in_a_frame(page, FRICTION)
 
 
+def serve(tool, database, more):
+    """palpate-run view, which has printed its address."""
+    which = {"--contacts": ["--tool", "pads"], "--pinch": ["--tool", "ball,pads", "--together"]}
+    tools = next((which[one] for one in more if one in which), [])
+    return subprocess.Popen([tool, "view", database] + tools, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+
+
+def open_served(driver, address, more, seen):
+    """@return the page, and who watches it"""
+    driver.get(address.split("#")[0])
+    page = Page(driver, folder_of(more))
+    page.wait(lambda: page.text("state") == "cannot start")
+    seen["without_token"] = page.text("message")
+    seen["errors_without_token"] = len([e for e in driver.get_log("browser") if e["source"] == "javascript"])
+    driver.get("about:blank")
+    driver.get(address)
+    page = Page(driver, folder_of(more))
+    page.wait(lambda: page.text("state") == "free")
+    seen["address"] = driver.current_url
+    watcher = Watcher(address)
+    seen["watcher"], seen["refusal"] = watcher.refusal({"type": "run", "do": "reset"})
+    return page, watcher
+
+
+def open_own(driver, file, more, seen):
+    """The same of a page of its own."""
+    driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": LISTEN})
+    driver.get("file://" + file)
+    page = Page(driver, folder_of(more))
+    page.wait(lambda: page.text("state") in ("free", "cannot start"))
+    if page.text("state") != "free":
+        print(json.dumps({"refused": page.text("message")}))
+        return None, None
+    seen["start_ms"] = driver.execute_script("return performance.now();")
+    seen["loaded"] = driver.execute_script(
+        "return performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => !name.startsWith('blob:'));")
+    return page, OwnWatcher(driver)
+
+
+def folder_of(more):
+    return next((one for one in more if not one.startswith("--")), None)
+
+
+def play(page, watcher, more, flat, seen):
+    if "--dimple" in more:
+        dimples(page, watcher, seen, PLACES)
+    elif "--standing" in more:
+        dimples(page, watcher, seen, PLACES[:1])
+    elif "--contacts" in more:
+        contacts(page, watcher, seen)
+    elif "--pinch" in more:
+        pinch(page, watcher, seen)
+    elif "--needle" in more:
+        needle(page, watcher, seen)
+    elif "--touch" in more:
+        touch(page, watcher, seen)
+    elif "--friction" in more:
+        friction(page, watcher, seen)
+    else:
+        if not flat:
+            poke_by_mouse(page, watcher, seen)
+        poke_by_keys(page, seen)
+
+
 def main():
     tool, database, *more = sys.argv[1:]
     flat = "--no-3d" in more
-    folder = next((one for one in more if not one.startswith("--")), None)
-    which = {"--contacts": ["--tool", "pads"], "--pinch": ["--tool", "ball,pads", "--together"]}
-    tools = next((which[one] for one in more if one in which), [])
-    view = subprocess.Popen([tool, "view", database] + tools, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    view = None if tool == "--own" else serve(tool, database, more)
     driver = None
     seen = {}
     try:
-        address = view.stdout.readline().strip()
-        driver = browser(["--disable-3d-apis"] if flat else [], "1500,940" if folder else "1060,640")
-        driver.get(address.split("#")[0])
-        page = Page(driver, folder)
-        page.wait(lambda: page.text("state") == "cannot start")
-        seen["without_token"] = page.text("message")
-        seen["errors_without_token"] = len([e for e in driver.get_log("browser") if e["source"] == "javascript"])
-        driver.get("about:blank")
-        driver.get(address)
-        page = Page(driver, folder)
-        page.wait(lambda: page.text("state") == "free")
-        seen["address"] = driver.current_url
-        watcher = Watcher(address)
-        seen["watcher"], seen["refusal"] = watcher.refusal({"type": "run", "do": "reset"})
+        address = view and view.stdout.readline().strip()
+        driver = browser(["--disable-3d-apis"] if flat else [], "1500,940" if folder_of(more) else "1060,640")
+        page, watcher = open_served(driver, address, more, seen) if view else open_own(driver, database, more, seen)
+        if page is None:
+            return
         seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
-        if "--dimple" in more:
-            dimples(page, watcher, seen, PLACES)
-        elif "--standing" in more:
-            dimples(page, watcher, seen, PLACES[:1])
-        elif "--contacts" in more:
-            contacts(page, watcher, seen)
-        elif "--pinch" in more:
-            pinch(page, watcher, seen)
-        elif "--needle" in more:
-            needle(page, watcher, seen)
-        elif "--friction" in more:
-            friction(page, watcher, seen)
-        else:
-            if not flat:
-                poke_by_mouse(page, watcher, seen)
-            poke_by_keys(page, seen)
+        play(page, watcher, more, flat, seen)
         seen["errors"] = [e["message"] for e in driver.get_log("browser") if e["level"] == "SEVERE"]
+        if view is None:
+            seen["frames_per_s"] = driver.execute_async_script(PACE)
+            seen["speed"] = watcher.state()["speed"]
+            seen["log"] = driver.execute_async_script(LOG)
     finally:
         if driver:
             driver.quit()
-        view.send_signal(signal.SIGTERM)
-        seen["exit_code"] = view.wait(20)
+        if view:
+            view.send_signal(signal.SIGTERM)
+            seen["exit_code"] = view.wait(20)
     print(json.dumps(seen))
 
 

@@ -344,7 +344,7 @@ class App {
       : state.state === "pressing" ? "contact" : "";
     put("fast", `${state.settings.fast_hz} Hz`);
     put("slow", `${Number(state.settings.slow_hz.toPrecision(4))} Hz`);
-    put("step_time", state.run.step_p50_ns === null ? "–" : `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
+    put("step_time", !(state.run.step_p50_ns > 0) ? "–" : `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
     put("speed", state.paused ? "paused" : `${state.speed.toFixed(2)} ×`);
     get("poke").setAttribute("aria-pressed", String(state.holding));
     get("pause").setAttribute("aria-pressed", String(state.paused));

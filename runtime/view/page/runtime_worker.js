@@ -27,16 +27,25 @@ const system = {
     view.setUint32(written, bytes, true);
     return 0;
   },
+  environ_sizes_get: (count, bytes) => {
+    const view = new DataView(exported.memory.buffer);
+    view.setUint32(count, 0, true);
+    view.setUint32(bytes, 0, true);
+    return 0;
+  },
+  environ_get: () => 0,
   proc_exit: (code) => { throw new Error(`the runtime ended with code ${code}`); },
 };
-const kNotThere = 52;  // ENOSYS
+// It has no files, which is what the C library looks for when it starts.
+const kNoDescriptor = 8;
 const imports = {
-  wasi_snapshot_preview1: new Proxy(system, { get: (all, name) => all[name] ?? (() => kNotThere) }),
+  wasi_snapshot_preview1: new Proxy(system, { get: (all, name) => all[name] ?? (() => kNoDescriptor) }),
 };
 
 // Puts bytes where the module reads them.
 function give(bytes) {
-  memory().set(bytes, exported.palpate_page_room(bytes.length));
+  const at = exported.palpate_page_room(bytes.length);  // memory may have grown
+  memory().set(bytes, at);
 }
 
 // Texts and bytes that the module has ready.

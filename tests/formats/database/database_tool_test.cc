@@ -145,6 +145,26 @@ TEST_F(DatabaseTool, ExportGoesByTheExtension) {
   EXPECT_NE(unknown.err.find("must be .vtu, .csv or .json"), std::string::npos);
 }
 
+TEST_F(DatabaseTool, AFlatFileSaysWhatItsHdf5FileSays) {
+  const std::string flat = folder_ / "a.palpate";
+  const std::string back = folder_ / "back.h5";
+  const auto run = [](std::vector<std::string> words) {
+    return run_tool_process("palpate-db", words);
+  };
+  const ToolRun exported = run({"export", file_, "--flat", flat, "--json"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_EQ(parse_json(exported.out).at("bytes"), std::filesystem::file_size(flat));
+  EXPECT_EQ(run({"check", flat}).out, run({"check", file_}).out);
+  EXPECT_EQ(run({"diff", flat, file_}).exit_code, 0);
+  EXPECT_EQ(run({"info", flat}).exit_code, 0);
+  EXPECT_EQ(run({"report", flat, "-o", folder_ / "page.html"}).exit_code, 0);
+  EXPECT_EQ(run({"export", flat, "--hdf5", back}).exit_code, 0);
+  EXPECT_EQ(bytes_of(back), bytes_of(file_));
+  EXPECT_EQ(run({"export", file_, "--flat", flat, "-o", "a.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"export", file_, "--flat", flat, "--hdf5", back}).exit_code, 2);
+  EXPECT_EQ(run({"export", file_}).exit_code, 2);
+}
+
 TEST_F(DatabaseTool, ExportsTaxelsUnderThePressedTool) {
   write_database(file_, with_contacts());
   const std::string output = folder_ / "t.json";

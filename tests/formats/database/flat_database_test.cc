@@ -2,7 +2,6 @@
 // from an HDF5 file, and is held to the same rules.
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <random>
 
 #include <fmt/format.h>
@@ -18,11 +17,6 @@
 
 namespace palpate {
 namespace {
-
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 StoredSource in_memory(const std::string& bytes) {
   return StoredSource(std::as_bytes(std::span(bytes)));
@@ -43,11 +37,11 @@ class FlatForm : public testing::Test {
   // Equal databases give equal bytes (DatabaseStorage tests that).
   std::string as_hdf5(const ResponseDatabase& database) const {
     write_database(folder_ / "again.h5", database, StoredForm::kHdf5);
-    return content_of(folder_ / "again.h5");
+    return bytes_of(folder_ / "again.h5");
   }
   std::string as_flat(const ResponseDatabase& database) const {
     write_database(flat_, database);
-    return content_of(flat_);
+    return bytes_of(flat_);
   }
 
   const ScratchFolder folder_;
@@ -64,8 +58,8 @@ TEST_F(FlatForm, ConvertedBackIsTheHdf5FileToTheByte) {
         database.storage.compress = compress;
         write_database(hdf5_, database);
         write_database(flat_, read_database(hdf5_));
-        EXPECT_EQ(content_of(flat_).substr(0, kFlatMagic.size()), kFlatMagic);
-        EXPECT_EQ(as_hdf5(read_database(flat_)), content_of(hdf5_))
+        EXPECT_EQ(bytes_of(flat_).substr(0, kFlatMagic.size()), kFlatMagic);
+        EXPECT_EQ(as_hdf5(read_database(flat_)), bytes_of(hdf5_))
             << name << name_of(precision) << compress;
         EXPECT_EQ(database_sha256(flat_), database_sha256(hdf5_));
       }
@@ -109,7 +103,7 @@ TEST_F(FlatForm, ChunksAreThoseOfTheHdf5File) {
 
 TEST_F(FlatForm, AnHdf5FileInMemoryIsReadToo) {
   write_database(hdf5_, measured_database());
-  const std::string bytes = content_of(hdf5_);
+  const std::string bytes = bytes_of(hdf5_);
   EXPECT_EQ(as_hdf5(read_database(in_memory(bytes))), bytes);
   EXPECT_NE(outcome_of(in_memory(bytes.substr(0, bytes.size() / 2))).find("truncated"),
             std::string::npos);
@@ -143,6 +137,21 @@ TEST_F(FlatForm, EveryShorterFileIsRefused) {
   EXPECT_NE(outcome_of(in_memory(bytes + "x")), "read");
   std::ofstream(flat_, std::ios::binary) << bytes.substr(0, bytes.size() - 1);
   EXPECT_NE(outcome_of(flat_).find("is truncated or damaged"), std::string::npos);
+}
+
+// A file of some kilobytes that says it holds terabytes: nothing is asked of memory.
+TEST_F(FlatForm, AFileOfHolesIsRefused) {
+  constexpr std::uintmax_t kMuch = std::uintmax_t{1} << 42;
+  FlatHeader header;
+  header.bytes = kMuch;
+  header.directory = kFlatFirstOffset;
+  std::ofstream(flat_, std::ios::binary) << flat_header(header);
+  std::error_code error;
+  std::filesystem::resize_file(flat_, kMuch, error);
+  if (error) {
+    GTEST_SKIP() << "no such files here: " << error.message();
+  }
+  EXPECT_NE(outcome_of(flat_).find("has holes"), std::string::npos);
 }
 
 // A directory that lies, with the digest of its lies.

@@ -112,6 +112,7 @@ TEST(Verbs, ADatabaseIsCheckedByItsOwnTool) {
   using Line = std::vector<const char*>;
   EXPECT_EQ(tool_for(*check, Line{"organ.h5"}), "palpate-db");
   EXPECT_EQ(tool_for(*check, Line{"--json", "organ.h5"}), "palpate-db");
+  EXPECT_EQ(tool_for(*check, Line{"organ.palpate"}), "palpate-db");
   EXPECT_EQ(tool_for(*check, Line{"organ.obj", "--repair", "safe"}),
             "palpate-precompute");
   EXPECT_EQ(tool_for(*check, Line{}), "palpate-precompute");

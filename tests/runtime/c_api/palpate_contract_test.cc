@@ -4,8 +4,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <thread>
 
+#include "formats/base/utf8_path.h"
 #include "tests/runtime/c_api/pressed_plate_host.h"
 
 namespace palpate {
@@ -40,6 +42,20 @@ TEST_F(PalpateContract, StructsOfOtherVersions) {
   EXPECT_EQ(state.triangle, -1);
   EXPECT_EQ(state.contact_point[0], 7.0);
   EXPECT_EQ(palpate_abi_version(), PALPATE_ABI_VERSION);
+}
+
+// Windows' own names are UTF-16.
+TEST_F(PalpateContract, NamesOfFilesAreUtf8) {
+  const std::string name = "Leber \u00fc \u809d \U0001fac0.h5";
+  const std::filesystem::path file =
+      std::filesystem::path(file_).parent_path() / path_of_utf8(name);
+  std::filesystem::copy_file(file_, file);
+  const palpate_options all = options();
+  body_ = palpate_open(utf8_of(file).c_str(), &all, error_, sizeof error_);
+  EXPECT_NE(body_, nullptr) << error_;
+  std::filesystem::remove(file);
+  EXPECT_EQ(palpate_open(utf8_of(file).c_str(), &all, error_, sizeof error_), nullptr);
+  EXPECT_NE(std::string(error_).find(name), std::string::npos) << error_;
 }
 
 TEST_F(PalpateContract, WhatANewerHeaderAddedToTheStateIsZero) {

@@ -2,19 +2,12 @@
 #include "runtime/c_api/palpate_memory.h"
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "tests/runtime/c_api/pressed_plate_host.h"
 
 namespace palpate {
 namespace {
-
-std::string content_of_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class PalpateMemory : public PressedPlateHost {
  protected:
@@ -52,7 +45,7 @@ TEST_F(PalpateMemory, EveryFormGivesTheSameForcesToTheBit) {
   const std::vector<double> expected = pressed(open(options()));
   EXPECT_GT(expected[expected.size() - 2], 0.1);
   for (const std::filesystem::path& file : {std::filesystem::path(file_), flat_}) {
-    std::string bytes = content_of_file(file);
+    std::string bytes = bytes_of(file);
     palpate_tool* tool = open_bytes(bytes, options());
     ASSERT_NE(tool, nullptr) << error_;
     bytes.assign(bytes.size(), 'x');  // it is the host's again
@@ -66,14 +59,14 @@ TEST_F(PalpateMemory, StreamedItIsReadWhereItLies) {
   palpate_options streamed = options();
   streamed.flags |= PALPATE_STREAMED;
   const std::vector<double> expected = pressed(open(streamed));
-  const std::string bytes = content_of_file(flat_);
+  const std::string bytes = bytes_of(flat_);
   palpate_tool* tool = open_bytes(bytes, streamed);
   ASSERT_NE(tool, nullptr) << error_;
   EXPECT_EQ(pressed(tool), expected);
 }
 
 TEST_F(PalpateMemory, ASurfaceOfItIsTheDatabases) {
-  const std::string bytes = content_of_file(flat_);
+  const std::string bytes = bytes_of(flat_);
   palpate_tool* tool = open_bytes(bytes, options());
   ASSERT_NE(tool, nullptr) << error_;
   const std::string surface = (folder_ / "surface.palpate").string();
@@ -85,7 +78,7 @@ TEST_F(PalpateMemory, ASurfaceOfItIsTheDatabases) {
 }
 
 TEST_F(PalpateMemory, WhatIsNoDatabaseIsRefusedInOneLine) {
-  const std::string bytes = content_of_file(flat_);
+  const std::string bytes = bytes_of(flat_);
   const auto refusal_of = [&](const std::string& given, std::uint32_t flags) {
     palpate_options all = options();
     all.flags |= flags;
