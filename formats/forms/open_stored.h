@@ -20,12 +20,13 @@ namespace palpate {
 class StoredSource {
  public:
   template <typename Path>
+  // NOLINTNEXTLINE(google-explicit-constructor)
   requires std::convertible_to<Path, std::filesystem::path> StoredSource(
-      const Path& path)  // NOLINT(google-explicit-constructor)
+      const Path& path)
       : path_(path) {}
   /// @param name for messages
   explicit StoredSource(std::span<const std::byte> bytes,
-                        std::string name = "bytes in memory")
+                        const std::string& name = "bytes in memory")
       : path_(path_of_utf8(name)), bytes_(bytes), in_memory_(true) {}
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
