@@ -80,6 +80,8 @@ TEST(FlatDirectoryBytes, EveryLieIsNamed) {
   const std::string root = flat_entry("/", group_object());
   EXPECT_EQ(refusal_of(1, root + flat_entry("/a", array_at(128, {8})), 192),
             "the directory of 1 objects does not end the file");
+  EXPECT_EQ(refusal_of(1, root + "x", 128),
+            "the directory of 1 objects does not end the file");
   EXPECT_EQ(refusal_of(2, root, 128), "the directory ends within an entry");
   EXPECT_EQ(refusal_of(1, root.substr(0, root.size() - 1), 128),
             "the directory ends within an entry");
