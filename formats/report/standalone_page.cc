@@ -74,7 +74,7 @@ std::string named(std::string_view text) {
   return "'sha256-" + base64(digest) + "'";
 }
 
-std::string head(std::string_view style) {
+std::string policy_and_style(std::string_view style) {
   return fmt::format(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
       "script-src {} blob: 'wasm-unsafe-eval'; worker-src blob:; style-src {}; img-src "
@@ -90,7 +90,7 @@ std::string standalone_page(const StandaloneBody& body,
       fmt::format("{}{}", asset("/uplot.css"), asset("/page.css"));
   std::string html(asset("/"));
   put(html, "<link rel=\"stylesheet\" href=\"/uplot.css\">\n", "");
-  put(html, "<link rel=\"stylesheet\" href=\"/page.css\">\n", head(style));
+  put(html, "<link rel=\"stylesheet\" href=\"/page.css\">\n", policy_and_style(style));
   put(html, "<script type=\"module\" src=\"/app.js\"></script>\n", "");
   const nlohmann::ordered_json about = {
       {"name", body.name}, {"tools", body.tools}, {"left_out", body.left_out}};

@@ -75,12 +75,12 @@ struct ViewService {
   std::string state;   ///< "serving", "lost", ... (served_client.h)
   std::string detail;  ///< why
   std::string stage;
-  std::int64_t nodes = 0;     ///< that get an answer
-  std::int64_t answered = 0;  ///< of them with one
-  std::int64_t finished = 0;  ///< of them with a final one
-  std::string here;           ///< what the place under the tool answers with
+  std::int64_t nodes = 0;           ///< that get an answer
+  std::int64_t answered = 0;        ///< of them with one
+  std::int64_t finished = 0;        ///< of them with a final one
+  std::string here;                 ///< what the place under the tool answers with
   std::vector<std::int64_t> ticks;  ///< in the body, by quality (QualityTicks)
-  bool changed = false;       ///< the scene's file, since it is served
+  bool changed = false;             ///< the scene's file, since it is served
 };
 
 /// One frame: the state now.

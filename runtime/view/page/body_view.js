@@ -37,6 +37,8 @@ function bodyGeometry(body, position, normal) {
 }
 
 // Without a graphics card smooth edges and every pixel cost more than they give.
+const kFovDegrees = 32;
+
 function drawsInSoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");
@@ -157,7 +159,7 @@ export class BodyView {
 
   addCameras() {
     const near = 0.02 * this.size;
-    this.perspective = new three.PerspectiveCamera(32, 1, near, 40 * this.size);
+    this.perspective = new three.PerspectiveCamera(kFovDegrees, 1, near, 40 * this.size);
     this.orthographic = new three.OrthographicCamera(-1, 1, 1, -1, near, 40 * this.size);
     this.camera = this.perspective;
     if (this.needle) {  // stands out far
@@ -329,7 +331,10 @@ export class BodyView {
       this.width = width;
       this.height = height;
       this.renderer.setSize(width, height, false);
-      this.perspective.aspect = width / Math.max(1, height);
+      const aspect = width / Math.max(1, height);
+      this.perspective.aspect = aspect;
+      // Of a page that is higher than wide, across.
+      this.perspective.fov = (360 / Math.PI) * Math.atan(Math.tan((kFovDegrees * Math.PI) / 360) / Math.min(1, aspect));
       this.perspective.updateProjectionMatrix();
     }
     if (this.camera === this.orthographic) {

@@ -33,9 +33,9 @@ ResponseDatabase soft_plate() {
 std::vector<std::string> requests() {
   std::vector<std::string> all;
   for (int i = 0; i < 90; ++i) {
-    all.push_back(fmt::format(
-        R"({{"type":"point","hold":true,"target_m":[{:.6f},0.002,0.002]}})",
-        0.001 + 1e-4 * i));
+    all.push_back(
+        fmt::format(R"({{"type":"point","hold":true,"target_m":[{:.6f},0.002,0.002]}})",
+                    0.001 + 1e-4 * i));
   }
   all.push_back(R"({"type":"set","stiffness_scale":2})");
   all.push_back(R"({"type":"node","node":12})");
