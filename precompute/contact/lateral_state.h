@@ -21,7 +21,7 @@ namespace palpate {
 /// the ratio K_t / k_n is kept. q is the pressure of a rigid punch on S. T holds three
 /// tractions along each axis, e their sums: q, an even one, and an even one of the rim.
 /// On a half-space the traction that moves S as a whole has the shape of q (Mindlin
-/// 1949); on a thin layer it is even, and larger at the rim. Of all tractions the true
+/// 1949). On a thin layer it is even, and larger at the rim. Of all tractions the true
 /// one has the least compliance. So the stiffness is at most true, and off by the
 /// square of what T misses. The contact's coarseness cancels in the ratio. Like
 /// Mindlin's solution the state leaves out that tractions along the surface also move

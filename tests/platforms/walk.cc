@@ -2,9 +2,11 @@
 // and prints what was felt, so that platforms can be compared bit for bit. The path is
 // made of sums, products, quotients and square roots alone, which round alike
 // everywhere. Standard output: MODEL CONTACTS DIGEST FORCE WORK, the digest (FNV-1a) of
-// the bits of every tick's force. Standard error: how long the start and a tick took.
+// the bits of every tick's force. Standard error: how long the start took, and the
+// median of a tick.
 #include "palpate.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -136,7 +138,8 @@ bool walk(palpate_body* body, palpate_tool* tool, const Surface& surface, int ti
   Random random;
   Point from = surface.near({}, random);
   Point to = from;
-  double in_steps_s = 0.0;
+  std::vector<double> tick_s;  // means between slow steps
+  Clock::time_point start = Clock::now();
   for (int tick = 0; tick < ticks; ++tick) {
     const int along = tick % kLegTicks;
     if (along == 0) {
@@ -148,20 +151,24 @@ bool walk(palpate_body* body, palpate_tool* tool, const Surface& surface, int ti
       at[k] = from[k] + (to[k] - from[k]) * along / kLegTicks;
     }
     double force_n[3];
-    const Clock::time_point start = Clock::now();
     const int status = palpate_force(tool, at.data(), nullptr, kTickS, force_n);
-    in_steps_s += seconds_since(start);
     if (status < 0) {
       std::printf("tick %d: %s\n", tick, palpate_fault_name(status));
       return false;
     }
     felt.contacts += status == PALPATE_CONTACT;
     felt.take(force_n);
-    if (tick % kSlowTicks == 0 && palpate_slow_step(body) < 0) {
-      return false;
+    if (tick % kSlowTicks == 0) {
+      tick_s.push_back(seconds_since(start) / kSlowTicks);
+      if (palpate_slow_step(body) < 0) {
+        return false;
+      }
+      start = Clock::now();
     }
   }
-  felt.tick_s = in_steps_s / ticks;
+  const auto median = tick_s.begin() + static_cast<std::ptrdiff_t>(tick_s.size() / 2);
+  std::nth_element(tick_s.begin(), median, tick_s.end());
+  felt.tick_s = *median;
   return true;
 }
 

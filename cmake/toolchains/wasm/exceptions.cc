@@ -33,14 +33,15 @@ using __cxxabiv1::__shim_type_info;
 
 // Before the object that was thrown.
 struct alignas(16) Thrown {
-  const std::type_info* type;
-  void* (*destroy)(void*);  // a destructor returns its argument here
-  void* adjusted;           // to the type that the handler has
-  Thrown* caught_before;    // by a handler that is still under way
-  int handlers;             // under way
-  int references;           // of handlers as one, and of std::exception_ptr
-  Thrown* primary;  // of what std::rethrow_exception() throws: whose object it is
-  bool thrown_again;
+  const std::type_info* type = nullptr;
+  void* (*destroy)(void*) = nullptr;  // a destructor returns its argument here
+  void* adjusted = nullptr;           // to the type that the handler has
+  Thrown* caught_before = nullptr;    // by a handler that is still under way
+  int handlers = 0;                   // under way
+  int references = 0;                 // of handlers as one, and of std::exception_ptr
+  Thrown* primary =
+      nullptr;  // of what std::rethrow_exception() throws: whose object it is
+  bool thrown_again = false;
 };
 
 Thrown* caught = nullptr;

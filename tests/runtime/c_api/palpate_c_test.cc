@@ -310,7 +310,7 @@ TEST_F(PalpateC, OwnSlowThreadServesTools) {
     palpate_state state{};
     state.struct_size = sizeof state;
     palpate_state_get(tool, &state);
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    pause_between_ticks();
   }
   EXPECT_EQ(answer.status, PALPATE_CONTACT);
   EXPECT_EQ(palpate_slow_failure(body_, nullptr, 0), 0);
@@ -325,7 +325,7 @@ TEST_F(PalpateC, Chai3dEffectFeelsTheBodyWithEveryTool) {
   for (int tick = 0; tick < 100000 && force.z() < 0.1; ++tick) {
     position.set(0.0031, 0.0017, kRadius + 0.001 - 0.004 * std::min(1.0, tick / 400.0));
     static_cast<void>(effect.computeForce(position, {}, last, force));
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    pause_between_ticks();
   }
   EXPECT_GT(force.z(), 0.1);
   EXPECT_FALSE(effect.computeForce(position, {}, 16, force));
@@ -341,7 +341,7 @@ TEST_F(PalpateC, SofaFeedbackTakesMillimetresAndNoOrientation) {
   for (int tick = 0; tick < 100000 && fz < 0.1; ++tick) {
     const double z_mm = 6.0 - 4.0 * std::min(1.0, tick / 400.0);
     feedback.computeForce(3.1, 1.7, z_mm, 0.0, 0.0, 0.0, 0.0, fx, fy, fz);
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    pause_between_ticks();
   }
   EXPECT_GT(fz, 0.1);
 }

@@ -14,6 +14,7 @@
 #include "formats/database/table_memory.h"
 #include "runtime/c_api/palpate_draw.h"
 #include "tests/support/padded_host.h"
+#include "tests/support/pause_between_ticks.h"
 #include "tests/support/run_tool.h"
 
 namespace palpate {
@@ -272,7 +273,7 @@ TEST_F(PalpateWrench, AResetNeedsNoPauseOfTheSlowThread) {
       ASSERT_EQ(palpate_wrench(tool, at, nullptr, 0.0001, force.data(), torque.data()),
                 PALPATE_FREE);
       ASSERT_EQ(palpate_contacts_get(tool, &first, 1, sizeof first), 3);
-      std::this_thread::sleep_for(std::chrono::microseconds(20));
+      pause_between_ticks();
     }
     EXPECT_GE(first.triangle, 0) << run;
     palpate_reset(tool);

@@ -10,6 +10,7 @@
 
 #include "formats/database/response_database.h"
 #include "runtime/c_api/palpate.h"
+#include "tests/support/pause_between_ticks.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 

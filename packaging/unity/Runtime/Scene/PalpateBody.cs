@@ -17,7 +17,7 @@ namespace Palpate.Unity
     public sealed class PalpateBody : MonoBehaviour
     {
         [Tooltip("Response database: a path, of StreamingAssets if it is relative.")]
-        public string file = "body.h5";
+        public string file = "body.palpate";
         [Tooltip("The same as an asset, a file *.bytes; if it is set, the path is not used.")]
         public TextAsset database;
         [Tooltip("The database's tool; empty: its only one.")]

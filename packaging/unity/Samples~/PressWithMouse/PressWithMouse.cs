@@ -8,7 +8,7 @@ using UnityEngine;
 /// </summary>
 public sealed class PressWithMouse : MonoBehaviour
 {
-    public string file = "body.h5";
+    public string file = "body.palpate";
     public float depthMax = 0.005f;         // [scene's length]
     public float speed = 0.01f;             // [scene's length / s] of a press
     public float lengthPerNewton = 0.05f;   // [scene's length / N] of the drawn force
