@@ -60,7 +60,8 @@ TEST(PageExport, ALargerPageKeepsFewerDigitsThenNoDisplacements) {
   const ResponseDatabase database = full_plate();
   const std::size_t whole = page_of(database, "plate.h5", {}, kNoModule).html.size();
   const PageExport digits = page_of(database, "plate.h5", {}, kNoModule, whole - 1);
-  const ResponseTable& table = carried_by(digits).tools[0];
+  const ResponseDatabase carried = carried_by(digits);
+  const ResponseTable& table = carried.tools[0];
   EXPECT_LT(digits.html.size(), whole);
   EXPECT_FALSE(table.displacement.node.empty());
   const double step_n = table.force_n.back() / 32767.0;
