@@ -4,6 +4,7 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -73,7 +74,7 @@ void check_types() {
     expect(second->right == 2, "a pointer by the second base");
   }
   expect(catches<std::out_of_range>([] {
-           static_cast<void>(std::string().at(1));
+           static_cast<void>(std::vector<Left>().at(1));
          }),
          "what a header of the library throws");
   expect(alive == 0, "nothing is left");
