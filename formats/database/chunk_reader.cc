@@ -1,6 +1,7 @@
 #include "formats/database/chunk_reader.h"
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
@@ -273,7 +274,7 @@ DatabaseIndex index_of(StoredReader& file) {
 class ChunkReader::File {
  public:
   explicit File(const StoredSource& source) : reader(open_stored(source)) {}
-  [[nodiscard]] RecursiveMutex& mutex() const { return reader.file().mutex(); }
+  [[nodiscard]] std::recursive_mutex& mutex() const { return reader.file().mutex(); }
   StoredReader reader;
   std::optional<SourceNames> names;
 };
@@ -287,7 +288,7 @@ ChunkReader::ChunkReader(const StoredSource& file)
 ChunkReader::~ChunkReader() = default;
 
 BodyChunk ChunkReader::body(std::int64_t chunk) const {
-  const RecursiveLock lock(file_->mutex());
+  const std::lock_guard lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
   const StoredReader& file = file_->reader;
   const std::int64_t node = index_.node_begin.at(k);
@@ -314,7 +315,7 @@ BodyChunk ChunkReader::body(std::int64_t chunk) const {
 }
 
 ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const {
-  const RecursiveLock lock(file_->mutex());
+  const std::lock_guard lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
   const ToolIndex& entry = index_.tools.at(tool);
   const std::int64_t node = index_.node_begin.at(k);
@@ -367,7 +368,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
 }
 
 ComplianceTable ChunkReader::compliance(std::size_t tool, std::int64_t chunk) const {
-  const RecursiveLock lock(file_->mutex());
+  const std::lock_guard lock(file_->mutex());
   const auto k = static_cast<std::size_t>(chunk);
   const ToolIndex& entry = index_.tools.at(tool);
   ComplianceTable part;

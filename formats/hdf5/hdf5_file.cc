@@ -125,7 +125,7 @@ class Hdf5File final : public StoredFile {
   [[nodiscard]] const char* form() const override { return "an HDF5 file"; }
   [[nodiscard]] std::uint64_t bytes() const override { return bytes_; }
   [[nodiscard]] std::uint64_t believed() const { return believed_; }
-  [[nodiscard]] RecursiveMutex& mutex() const override { return hdf5_mutex(); }
+  [[nodiscard]] std::recursive_mutex& mutex() const override { return hdf5_mutex(); }
 
   [[nodiscard]] StoredLink link_at(const std::string& path) const override;
   void require_group(const std::string& path) const override;

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-RecursiveMutex& hdf5_mutex() {
-  static RecursiveMutex mutex;
+std::recursive_mutex& hdf5_mutex() {
+  static std::recursive_mutex mutex;
   return mutex;
 }
 

@@ -2,7 +2,7 @@
 // without HDF5 has the functions, which do nothing.
 #pragma once
 
-#include "formats/base/recursive_mutex.h"
+#include <mutex>
 
 namespace palpate {
 
@@ -20,7 +20,7 @@ class QuietHdf5 {
 };
 
 /// That of all use of HDF5 in the process.
-[[nodiscard]] RecursiveMutex& hdf5_mutex();
+[[nodiscard]] std::recursive_mutex& hdf5_mutex();
 
 /// Excludes all other use of HDF5 in the process. One thread can hold several. HDF5's
 /// error printing is off meanwhile.
@@ -29,7 +29,7 @@ class Hdf5Lock {
   Hdf5Lock();
 
  private:
-  RecursiveLock guard_;
+  std::lock_guard<std::recursive_mutex> guard_;
   QuietHdf5 quiet_;
 };
 

@@ -5,12 +5,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "formats/base/recursive_mutex.h"
 #include "formats/stored/stored_type.h"
 
 namespace palpate {
@@ -102,14 +102,14 @@ class StoredFile {
 
   /// Excludes all other use of what lies beneath. It is the file's own, or the HDF5
   /// library's.
-  [[nodiscard]] virtual RecursiveMutex& mutex() const { return mutex_; }
+  [[nodiscard]] virtual std::recursive_mutex& mutex() const { return mutex_; }
 
   /// @throws FormatError with the file's name before it.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
   std::string name_;
-  mutable RecursiveMutex mutex_;
+  mutable std::recursive_mutex mutex_;
 };
 
 }  // namespace palpate

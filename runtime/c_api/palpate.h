@@ -10,9 +10,8 @@
  *   for (;;) palpate_force(tool, position, NULL, dt_s, force);   // at the haptic rate
  *   palpate_close(body);
  *
- * Frame: that of the body in its file, at rest, or the host's world, in which
- * palpate_place() says how the body stands. Lengths and forces in the host's units
- * (options).
+ * Frame: that of the body in its file, at rest, or the host's world (palpate_place()).
+ * Lengths and forces in the host's units (options).
  *
  * Threads: a body's slow process runs in a thread of the library, unless
  * PALPATE_OWN_SLOW_STEPS. Every tool is used by one thread at a time, the haptic one;
@@ -289,8 +288,7 @@ PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text
  * forces, torques, contact points, normals, vertices are the world's. While no tick of
  * the body's tools is under way, and no other call of the body; a tool that stands
  * still is then moved through the body as any movement moves it. 0, or
- * PALPATE_ERROR_INPUT for what is not finite or no orientation, which changes nothing.
- */
+ * PALPATE_ERROR_INPUT for what is not finite or no orientation: nothing changes. */
 PALPATE_API int palpate_place(palpate_body* body, const double position[3],
                               const double quat_xyzw[4]);
 
@@ -375,15 +373,13 @@ PALPATE_API void palpate_reset(palpate_tool* tool);
 /* While no other call of the tool is under way: writes what the body keeps of this
  * tool's presses for good, of two hands' likewise, for palpate_surface_load() and
  * palpate-run --surface-in. A file that has the surface of the same body keeps what it
- * says of other tools. 0, or an error below zero with one line of text (may be NULL).
- */
+ * says of other tools. 0, or an error below zero with a line (may be NULL). */
 PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 
 /* While no other call of the tool is under way: palpate_reset(), on a body that has
  * yielded as the file says; NULL: a fresh one. A file of another body is refused, and
- * nothing changes then. 0, or an error below zero with one line of text (may be NULL).
- */
+ * nothing changes then. 0, or an error below zero with a line (may be NULL). */
 PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 
