@@ -68,8 +68,10 @@ palpate_c_library(palpate::runtime)
 
 # The runtime of a page that needs no server (docs/PAGE.md).
 if(NOT WIN32 AND NOT UNIX)
-  palpate_library(page ROOMS formats/report runtime/view
-    LEFT_OUT formats/report/\(body_svg|curves_svg|database_|gzip_|log_plot|markup_|page_export|pressure_|relaxation_|standalone_|surface_picture|taxel_\)
+  palpate_library(page ROOMS formats/report runtime/inverse runtime/attach runtime/view
+    LEFT_OUT runtime/inverse/\(emulated_|inverse_link|inverse_socket|service_|websocket_\)
+             runtime/attach/\(calibration|device_|driven_|falcon_|hung_|probe|usb_\)
+             formats/report/\(body_svg|curves_svg|database_|gzip_|log_plot|markup_|page_export|pressure_|relaxation_|standalone_|surface_picture|taxel_\)
              runtime/view/\(served_news|view_connection|view_policy|view_request|view_server|watch_view\)
     DEPENDS palpate::runtime PRIVATE_DEPENDS nlohmann_json::nlohmann_json)
   add_executable(palpate_module runtime/view/page_module.cc)

@@ -35,6 +35,7 @@ struct ExportFlags {
   std::string page;
   std::string module;
   std::vector<std::string> tools;
+  std::vector<int> inverse_ports{InversePorts{}.states, InversePorts{}.events};
   bool pressure_law = false;
   std::string taxels;  // "16x16": columns, rows
   double pitch_m = 0.001;
@@ -175,7 +176,9 @@ void run_page(const ExportFlags& flags) {
   const ResponseDatabase database = read_database(flags.file);
   const PageExport page =
       page_of(database, std::filesystem::path(flags.file).filename().string(),
-              flags.tools, std::as_bytes(std::span(module)));
+              flags.tools, std::as_bytes(std::span(module)),
+              {static_cast<std::uint16_t>(flags.inverse_ports[0]),
+               static_cast<std::uint16_t>(flags.inverse_ports[1])});
   write_text(flags.page, page.html);
   if (!page.left_out.empty()) {
     fmt::print(stderr, "{}\n", page.left_out);
@@ -240,6 +243,13 @@ void add_export_command(Command app) {
       "--module", flags->module,
       "Of pages: their runtime, palpate.wasm; if not given, the one that "
       "was built or installed");
+  command
+      .add_option("--inverse-ports", flags->inverse_ports,
+                  "Of pages: STATES,EVENTS of Haply's service at the reader's computer")
+      .separated_by(',')
+      .values(2)
+      .in_range(1, 65535)
+      .show_default();
   command
       .add_option("--tool", flags->tools,
                   "Tool, if there are several; of pages also two for two hands: a,b")

@@ -8,7 +8,6 @@
 
 #include "formats/base/error.h"
 #include "formats/database/database_slice.h"
-#include "formats/report/standalone_page.h"
 
 namespace palpate {
 namespace {
@@ -81,13 +80,15 @@ void leave_out_displacements(ResponseDatabase& part, Cut& cut) {
 
 PageExport page_of(const ResponseDatabase& database, const std::string& name,
                    const std::vector<std::string>& tools,
-                   std::span<const std::byte> module, std::size_t bytes_most) {
+                   std::span<const std::byte> module, const InversePorts& device,
+                   std::size_t bytes_most) {
   Cut cut;
   ResponseDatabase part = part_of(database, tools, cut);
   const auto page = [&] {
     const std::vector<std::byte> flat = flat_bytes(part);
     const std::string left_out = cut.text();
-    return PageExport{standalone_page({name, tools, left_out, flat}, module), left_out};
+    return PageExport{standalone_page({name, tools, left_out, flat, device}, module),
+                      left_out};
   };
   PageExport made = page();
   if (made.html.size() > bytes_most && part.storage.precision != Precision::kInt16) {

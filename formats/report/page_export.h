@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "formats/report/standalone_page.h"
 
 namespace palpate {
 
@@ -29,12 +30,13 @@ struct PageExport {
 /// 1/32767 of a node's largest. One that is still larger leaves out the stored
 /// displacements. No more is cut: then the page is larger.
 /// @param tools one, or two for two hands; none: the only one
-/// @param module palpate.wasm
+/// @param module palpate.wasm @param device that the page may press with
 /// @throws InputError for tools that are not there, or that precision cannot hold.
 [[nodiscard]] PageExport page_of(const ResponseDatabase& database,
                                  const std::string& name,
                                  const std::vector<std::string>& tools,
                                  std::span<const std::byte> module,
+                                 const InversePorts& device = {},
                                  std::size_t bytes_most = kPageBytes);
 
 }  // namespace palpate

@@ -74,12 +74,13 @@ std::string named(std::string_view text) {
   return "'sha256-" + base64(digest) + "'";
 }
 
-std::string policy_and_style(std::string_view style) {
+std::string policy_and_style(std::string_view style, const InversePorts& device) {
   return fmt::format(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
       "script-src {} blob: 'wasm-unsafe-eval'; worker-src blob:; style-src {}; img-src "
-      "data: blob:; media-src blob:\">\n<style>{}</style>\n",
-      named(asset(kStart)), named(style), style);
+      "data: blob:; media-src blob:; connect-src ws://127.0.0.1:{} "
+      "ws://127.0.0.1:{}\">\n<style>{}</style>\n",
+      named(asset(kStart)), named(style), device.states, device.events, style);
 }
 
 }  // namespace
@@ -90,10 +91,15 @@ std::string standalone_page(const StandaloneBody& body,
       fmt::format("{}{}", asset("/uplot.css"), asset("/page.css"));
   std::string html(asset("/"));
   put(html, "<link rel=\"stylesheet\" href=\"/uplot.css\">\n", "");
-  put(html, "<link rel=\"stylesheet\" href=\"/page.css\">\n", policy_and_style(style));
+  put(html, "<link rel=\"stylesheet\" href=\"/page.css\">\n",
+      policy_and_style(style, body.device));
   put(html, "<script type=\"module\" src=\"/app.js\"></script>\n", "");
   const nlohmann::ordered_json about = {
-      {"name", body.name}, {"tools", body.tools}, {"left_out", body.left_out}};
+      {"name", body.name},
+      {"tools", body.tools},
+      {"left_out", body.left_out},
+      {"device_ports",
+       {{"states", body.device.states}, {"events", body.device.events}}}};
   put(html, "</body>",
       fmt::format("<!-- {}\n{} -->\n{}{}{}{}<script>{}</script>\n</body>",
                   asset("/vendor_licenses.txt"), asset("/module_licenses.txt"),

@@ -12,11 +12,17 @@
 
 namespace palpate {
 
-Placement placement_over(const HandScript& script, const Eigen::Vector3d& centre_m) {
+Placement placement_over(const HandScript& script, const Eigen::Vector3d& centre_m,
+                         const Eigen::Vector3d& right) {
+  constexpr double kAlong = 0.9;  // nearer to the normal it says no direction across
   const Eigen::Vector3d y = script.normal.normalized();
-  Eigen::Vector3d across = Eigen::Vector3d::UnitX();
-  if (std::abs(y.x()) > 0.9) {
-    across = Eigen::Vector3d::UnitY();
+  const auto is_along = [&y](const Eigen::Vector3d& v) {
+    return std::abs(y.dot(v)) > kAlong;
+  };
+  Eigen::Vector3d across = right.normalized();
+  if (right.isZero() || is_along(across)) {
+    across = is_along(Eigen::Vector3d::UnitX()) ? Eigen::Vector3d::UnitY()
+                                                : Eigen::Vector3d::UnitX();
   }
   const Eigen::Vector3d z = across.cross(y).normalized();
   Placement placement{

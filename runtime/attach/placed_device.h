@@ -30,9 +30,11 @@ struct Placement {
 };
 
 /// The device's centre lies clear_m above where the tool touches, its y axis along the
-/// outward normal: a person presses down.
-[[nodiscard]] Placement placement_over(const HandScript& script,
-                                       const Eigen::Vector3d& centre_m);
+/// outward normal: a person presses down. @param right of the body, not along the
+/// normal, which the device's x axis is as near to as it can be; zero: any.
+[[nodiscard]] Placement placement_over(
+    const HandScript& script, const Eigen::Vector3d& centre_m,
+    const Eigen::Vector3d& right = Eigen::Vector3d::Zero());
 
 /// A section of the body, for a device that moves in a plane.
 struct SectionPlane {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,126 +13,104 @@ namespace {
 
 constexpr double kWatchS = 0.01;  // over which a speed is measured
 
-// One exchange after the other, with a watch on where the tool goes.
-class Pusher {
- public:
-  Pusher(DeviceLink& link, const SignTestOptions& options,
-         const std::function<bool()>& stopped, Clock& clock)
-      : link_(link), options_(options), stopped_(stopped), clock_(clock) {}
-
-  // W of two periods along an axis.
-  double push_along(Eigen::Index axis) {
-    begun_ = false;
-    double work_j = 0.0;
-    const std::int64_t begin_ns = clock_.now_ns();
-    Eigen::Vector3d held = Eigen::Vector3d::Zero();
-    std::optional<Eigen::Vector3d> before;
-    for (double now_s = 0.0; now_s < 2.0 * options_.period_s;) {
-      const double phase = 2.0 * std::numbers::pi * now_s / options_.period_s;
-      const double sign = now_s < options_.period_s ? 1.0 : -1.0;
-      Eigen::Vector3d force = Eigen::Vector3d::Zero();
-      force[axis] = sign * options_.force_n * std::sin(phase);
-      if (const auto position = exchange(force)) {
-        if (before) {
-          work_j += held.dot(*position - *before);
-        }
-        before = position;
-        held = force;
-      }
-      now_s = seconds_in(clock_.now_ns() - begin_ns);
-    }
-    rest();
-    return work_j;
-  }
-
-  void rest() {
-    Eigen::Vector3d ignored;
-    static_cast<void>(link_.transact(Eigen::Vector3d::Zero(), ignored));
-  }
-
- private:
-  std::optional<Eigen::Vector3d> exchange(const Eigen::Vector3d& force_n) {
-    if (stopped_ && stopped_()) {
-      rest();
-      throw Interrupted();
-    }
-    Eigen::Vector3d position_m;
-    const LinkStatus status = link_.transact(force_n, position_m);
-    if (status == LinkStatus::kLost) {
-      throw DeviceError(fmt::format("{}: {}", link_.name(), link_.failure()));
-    }
-    if (status != LinkStatus::kOk) {
-      return std::nullopt;
-    }
-    watch(position_m);
-    return position_m;
-  }
-
-  void watch(const Eigen::Vector3d& position_m) {
-    const double now_s = seconds_in(clock_.now_ns());
-    if (!begun_) {
-      begun_ = true;
-      begin_ = position_m;
-      mark_ = position_m;
-      mark_s_ = now_s;
-    }
-    bool ran = (position_m - begin_).norm() > options_.runaway_m;
-    if (now_s - mark_s_ > kWatchS) {
-      const double speed = (position_m - mark_).norm() / (now_s - mark_s_);
-      ran = ran || speed > options_.runaway_m_per_s;
-      mark_ = position_m;
-      mark_s_ = now_s;
-    }
-    if (ran) {
-      rest();
-      throw DeviceError(fmt::format(
-          "{}: the tool ran away by {:.3g} mm under {} N: hold it loosely in the "
-          "middle and try again; if it runs again, its motors push the wrong way",
-          link_.name(), 1e3 * (position_m - begin_).norm(), options_.force_n));
-    }
-  }
-
-  DeviceLink& link_;
-  const SignTestOptions& options_;
-  const std::function<bool()>& stopped_;
-  Clock& clock_;
-  bool begun_ = false;
-  Eigen::Vector3d begin_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d mark_ = Eigen::Vector3d::Zero();
-  double mark_s_ = 0.0;
-};
-
 }  // namespace
+
+Eigen::Vector3d SignTest::next(const std::optional<Eigen::Vector3d>& position_m,
+                               std::int64_t now_ns) {
+  if (!pushes_) {  // the exchange was at rest
+    pushes_ = !passed();
+    begin_ns_ = now_ns;
+    held_n_.setZero();
+    before_m_.reset();
+  } else if (position_m) {
+    watch(*position_m, now_ns);
+    if (before_m_) {
+      work_j_[static_cast<std::size_t>(axis_)] += held_n_.dot(*position_m - *before_m_);
+    }
+    before_m_ = position_m;
+  }
+  const double now_s = seconds_in(now_ns - begin_ns_);
+  held_n_.setZero();
+  if (pushes_ && now_s >= 2.0 * options_.period_s) {
+    end_round();
+  } else if (pushes_) {
+    const double phase = 2.0 * std::numbers::pi * now_s / options_.period_s;
+    held_n_[axis_] =
+        (now_s < options_.period_s ? 1.0 : -1.0) * options_.force_n * std::sin(phase);
+  }
+  return held_n_;
+}
+
+void SignTest::watch(const Eigen::Vector3d& position_m, std::int64_t now_ns) {
+  if (!before_m_) {
+    begin_m_ = position_m;
+    mark_m_ = position_m;
+    mark_ns_ = now_ns;
+  }
+  bool ran = (position_m - begin_m_).norm() > options_.runaway_m;
+  const double passed_s = seconds_in(now_ns - mark_ns_);
+  if (passed_s > kWatchS) {
+    ran = ran || (position_m - mark_m_).norm() > options_.runaway_m_per_s * passed_s;
+    mark_m_ = position_m;
+    mark_ns_ = now_ns;
+  }
+  if (ran) {
+    throw DeviceError(fmt::format(
+        "{}: the tool ran away by {:.3g} mm under {} N: hold it loosely in the "
+        "middle and try again; if it runs again, its motors push the wrong way",
+        name_, 1e3 * (position_m - begin_m_).norm(), options_.force_n));
+  }
+}
+
+// W > clear_j: the motors push as they are asked to. Below -clear_j they push against
+// it. Between, the next round adds to the sum.
+void SignTest::end_round() {
+  pushes_ = false;
+  const double sum_j = work_j_[static_cast<std::size_t>(axis_)];
+  if (sum_j > options_.clear_j) {
+    ++axis_;
+    round_ = 0;
+    return;
+  }
+  if (++round_ < options_.rounds) {
+    return;
+  }
+  throw DeviceError(
+      sum_j < -options_.clear_j
+          ? fmt::format(
+                "{}: its motors push the wrong way along {}: {} N did {:.2g} mJ "
+                "of work against it; no force is rendered",
+                name_, "xyz"[axis_], options_.force_n, -1e3 * sum_j)
+          : fmt::format("{}: {} N along {} moved nothing: hold the tool loosely in the "
+                        "middle, away from its stops, and switch its power on",
+                        name_, options_.force_n, "xyz"[axis_]));
+}
 
 SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
                     const std::function<bool()>& stopped, Clock& clock) {
-  Pusher pusher(link, options, stopped, clock);
-  SignWork work_j{};
-  for (int axis = 0; axis < options.axes; ++axis) {
-    double& sum_j = work_j[static_cast<std::size_t>(axis)];
-    for (int round = 0; round < options.rounds; ++round) {
-      // W > clear_j: the motors push as they are asked to. Below -clear_j they push
-      // against it. Between, the next round adds to the sum.
-      sum_j += pusher.push_along(axis);
-      if (sum_j > options.clear_j) {
-        break;
+  SignTest test(link.name(), options);
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_m;
+  try {
+    for (;;) {
+      if (stopped && stopped()) {
+        throw Interrupted();
       }
+      const LinkStatus status = link.transact(force_n, position_m);
+      if (status == LinkStatus::kLost) {
+        throw DeviceError(fmt::format("{}: {}", link.name(), link.failure()));
+      }
+      if (test.passed()) {
+        return test.work_j();
+      }
+      force_n = test.next(
+          status == LinkStatus::kOk ? std::optional(position_m) : std::nullopt,
+          clock.now_ns());
     }
-    if (sum_j > options.clear_j) {
-      continue;
-    }
-    throw DeviceError(
-        sum_j < -options.clear_j
-            ? fmt::format(
-                  "{}: its motors push the wrong way along {}: {} N did {:.2g} mJ of "
-                  "work against it; no force is rendered",
-                  link.name(), "xyz"[axis], options.force_n, -1e3 * sum_j)
-            : fmt::format(
-                  "{}: {} N along {} moved nothing: hold the tool loosely in the "
-                  "middle, away from its stops, and switch its power on",
-                  link.name(), options.force_n, "xyz"[axis]));
+  } catch (...) {
+    static_cast<void>(link.transact(Eigen::Vector3d::Zero(), position_m));
+    throw;
   }
-  return work_j;
 }
 
 SignTestedLink::SignTestedLink(std::unique_ptr<DeviceLink> link,

@@ -9,9 +9,13 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "runtime/device/device_link.h"
 #include "runtime/realtime/clock.h"
@@ -31,12 +35,55 @@ struct SignTestOptions {
 /// [J] W of each axis.
 using SignWork = std::array<double, 3>;
 
-/// Tests an open link; leaves it at zero force. Takes 2.4 s where it is clear at once.
+/// The test exchange by exchange, for whoever carries them. Takes 2.4 s where it is
+/// clear at once.
+class SignTest {
+ public:
+  /// @param name of the device, for what is thrown.
+  SignTest(std::string name, const SignTestOptions& options)
+      : name_(std::move(name)), options_(options) {}
+
+  /// What to hold from now on [N]; first zero.
+  /// @param position_m [m] as the force of the call before began to act; none: that
+  /// exchange was missed.
+  /// @throws DeviceError if an axis pushes the wrong way, the tool ran away, or nothing
+  /// could be felt (the tool is held fast or lies at a stop). The force is then to be
+  /// zero.
+  [[nodiscard]] Eigen::Vector3d next(const std::optional<Eigen::Vector3d>& position_m,
+                                     std::int64_t now_ns);
+
+  /// Every axis pushes as it is asked to, and the force is zero.
+  [[nodiscard]] bool passed() const noexcept { return axis_ == options_.axes; }
+  [[nodiscard]] const SignWork& work_j() const noexcept { return work_j_; }
+
+  /// Whether no force has moved anything yet.
+  [[nodiscard]] bool felt_nothing() const noexcept {
+    return std::abs(work_j_[0]) < options_.clear_j;
+  }
+
+ private:
+  void watch(const Eigen::Vector3d& position_m, std::int64_t now_ns);
+  void end_round();
+
+  std::string name_;
+  SignTestOptions options_;
+  SignWork work_j_{};
+  int axis_ = 0;
+  int round_ = 0;
+  bool pushes_ = false;        // a round has begun
+  std::int64_t begin_ns_ = 0;  // of the round
+  Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> before_m_;
+  Eigen::Vector3d begin_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mark_m_ = Eigen::Vector3d::Zero();
+  std::int64_t mark_ns_ = 0;
+};
+
+/// Tests an open link; leaves it at zero force.
 /// @param stopped ends it; may be empty. @param clock which goes on while the link
 /// works.
-/// @throws DeviceError if an axis pushes the wrong way, the tool ran away, or the link
-/// was lost. @throws DeviceError if nothing could be felt (the tool is held fast or
-/// lies at a stop). @throws Interrupted when stopped.
+/// @throws DeviceError as SignTest::next() does, and if the link was lost. @throws
+/// Interrupted when stopped.
 SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
                     const std::function<bool()>& stopped, Clock& clock);
 

@@ -1,5 +1,6 @@
 #include "runtime/hand/hand_script.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -38,7 +39,7 @@ HandTarget HandScript::at(double time_s) const noexcept {
                                       {0.05, clear_m}}};
   constexpr std::size_t kCircle = 3;
 
-  double t = std::fmod(time_s, duration_s) / duration_s;
+  double t = std::fmod(std::max(0.0, time_s - still_s), duration_s) / duration_s;
   double from_m = clear_m;
   std::size_t i = 0;
   while (i + 1 < parts.size() && t >= parts[i].share) {

@@ -25,6 +25,7 @@ struct HandScript {
   double deeper_m = 0.004;  ///< [m] depth of the second press, below touch
   double circle_m = 0.005;  ///< [m] >= 0 radius of the slide
   double duration_s = 4.0;  ///< [s] > 0 of one round
+  double still_s = 0.0;     ///< [s] >= 0 at rest above the surface before the first one
 
   /// The target at `time_s` [s] >= 0 from the start.
   [[nodiscard]] HandTarget at(double time_s) const noexcept;

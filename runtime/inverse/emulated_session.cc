@@ -56,7 +56,7 @@ class EmulatedInverse::Parts::Session {
   // When write() has something to do, if nothing else happens.
   [[nodiscard]] std::int64_t due_ns() const {
     return phase_ == Phase::kOpen && !waiting_.empty() ? waiting_.front().first
-                                                       : kNever;
+                                                       : InverseEmulation::kNever;
   }
 
   // Takes what has come.
@@ -129,7 +129,7 @@ class EmulatedInverse::Parts::Session {
     const std::string key = http_field(*request, "sec-websocket-key");
     if (lower_case(http_field(*request, "upgrade")) != "websocket" || key.empty()) {
       const bool known = request->starts_with("GET /version HTTP/1.");
-      const std::string body = parts_.version();
+      const std::string body = parts_.service.version();
       leaving_ = fmt::format(
           "HTTP/1.1 {}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{}",
           known ? "200 OK" : "404 Not Found", body.size(), body);
@@ -145,8 +145,13 @@ class EmulatedInverse::Parts::Session {
     std::copy(head_.begin(), head_.end(), frames_.room().begin());
     frames_.add(head_.size());
     if (!of_events_) {
-      send(parts_.first_message());
+      send(first_message());
     }
+  }
+
+  [[nodiscard]] std::string first_message() {
+    const std::lock_guard lock(parts_.mutex);
+    return parts_.service.first_message();
   }
 
   void take_frames() {
@@ -178,21 +183,23 @@ class EmulatedInverse::Parts::Session {
   }
 
   void take(const std::string& text) {
-    parts_.obey(text);
+    const std::lock_guard lock(parts_.mutex);
+    InverseEmulation& service = parts_.service;
+    service.obey(text);
     const InverseFaults& faults = parts_.config.faults;
-    const auto is = [this](InverseFault fault) {
-      return parts_.is_faulty(fault);
+    const auto is = [&service](InverseFault fault) {
+      return service.is_faulty(fault);
     };
     if (is(InverseFault::kClosed)) {
       put(FrameOpcode::kClose, true, "\x03\xE9");  // 1001, going away
       phase_ = Phase::kClosing;
-      parts_.release();
+      service.release();
     } else if (is(InverseFault::kCutFrame)) {
       leaving_ += "\x81\x7E\x04\x01{\"inverse3\":[{\"dev";
       phase_ = Phase::kLast;
     } else if (!is(InverseFault::kMissing)) {
       const std::string answer =
-          is(InverseFault::kText) ? faults.text : parts_.answer();
+          is(InverseFault::kText) ? faults.text : service.answer();
       for (int i = is(InverseFault::kUnasked) ? 100 : 1; i > 0; --i) {
         send(answer, is(InverseFault::kLate) ? faults.late_ns : 0);
       }
@@ -241,7 +248,7 @@ void EmulatedInverse::Parts::run() {
   std::vector<pollfd> ends;
   for (;;) {
     ends = {{wake, POLLIN, 0}, {states, POLLIN, 0}, {events, POLLIN, 0}};
-    std::int64_t due_ns = idle_due_ns;
+    std::int64_t due_ns = service.idle_due_ns();
     for (const auto& session : sessions) {
       ends.push_back(session->waits_for());
       due_ns = std::min(due_ns, session->due_ns());
@@ -256,7 +263,7 @@ void EmulatedInverse::Parts::run() {
       }
       sessions[i]->write();
     }
-    if (idle_due_ns <= clock.now_ns()) {
+    if (service.idle_due_ns() <= clock.now_ns()) {
       release();
     }
     // The forces of a session end with it.

@@ -18,6 +18,8 @@
 
 namespace palpate {
 
+constexpr std::uint16_t kInversePort = 10001;        ///< of states, forces and HTTP
+constexpr std::uint16_t kInverseEventsPort = 10020;  ///< of what happens to devices
 constexpr std::size_t kInverseMessageBytes = 65536;  ///< longest that is taken
 constexpr double kInversePositionMaxM = 2.0;         ///< [m] of a coordinate
 

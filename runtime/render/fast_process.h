@@ -16,6 +16,9 @@
 
 namespace palpate {
 
+/// [m/s] No hand moves a tool faster.
+constexpr double kHandSpeedMaxMPerS = 3.0;
+
 struct FastProcessConfig {
   FastConfig fast;
   double rate_hz = 2000.0;      ///< [Hz] > 0
@@ -58,6 +61,13 @@ class FastProcess {
   /// lost, after which the forces are zero.
   /// @param skipped deadlines that passed without a tick.
   [[nodiscard]] bool tick(std::int64_t skipped) noexcept;
+
+  /// Other limits of all wires from the next tick on.
+  void watch_wires(const WireLimits& limits) noexcept {
+    for (Hand& hand : hand_) {
+      hand.wire.limit(limits);
+    }
+  }
 
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }

@@ -38,6 +38,9 @@ class WireWatch {
  public:
   explicit WireWatch(const WireLimits& limits = {}) : limits_(limits) {}
 
+  /// Other limits; what the wire has done so far still counts.
+  void limit(const WireLimits& limits) noexcept { limits_ = limits; }
+
   /// Holds a force on the tool from then on. @param now_ns as of positions, not
   /// falling.
   void hold(std::int64_t now_ns, const Eigen::Vector3d& force_n) noexcept;

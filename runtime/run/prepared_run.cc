@@ -29,8 +29,7 @@ RenderConfig render_config(const SimulationOptions& options, const ToolShape& to
   config.fast.stall_s = 5.0 / options.slow_hz;
   config.fast.stall_fault_s = std::max(0.5, 10.0 / options.slow_hz);
   if (options.attached || (options.together && options.together->attached)) {
-    constexpr double kHandMax = 3.0;  // [m/s] no hand moves a tool faster
-    config.fast.speed_max_m_per_s = kHandMax;
+    config.fast.speed_max_m_per_s = kHandSpeedMaxMPerS;
   }
   config.slow_hz = options.slow_hz;
   config.duration_s = options.duration_s;

@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "formats/base/error.h"
 #include "runtime/view/view_curve.h"
 #include "runtime/view/view_field.h"
@@ -72,10 +74,16 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
       point(request);
       break;
     case ViewAction::kSet:
-      session_.set(request);
+      set(request);
+      break;
+    case ViewAction::kDevice:
+    case ViewAction::kDeviceKept:
+    case ViewAction::kDeviceOff:
+      ask_device(request);
       break;
     case ViewAction::kPause:
     case ViewAction::kResume:
+      refuse_while_held("pauses");
       paused_ = request.action == ViewAction::kPause;
       break;
     case ViewAction::kStep:
@@ -101,6 +109,9 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
 }
 
 void LiveView::point(const ViewRequest& request) {
+  if (request.hold) {
+    refuse_while_held("else steers");
+  }
   if (tape_.playing()) {
     tape_.stop(0);  // the page's hand goes first
   }
@@ -114,6 +125,36 @@ void LiveView::point(const ViewRequest& request) {
   silent_ns_ = 0;
   fell_silent_ = false;
   tape_.add(wish);
+}
+
+void LiveView::refuse_while_held(const char* what) const {
+  if (device_active()) {
+    throw InputError(
+        fmt::format("nothing {} while a device presses: let go of it first", what));
+  }
+}
+
+void LiveView::ask_device(const ViewRequest& request) {
+  if (device_ == nullptr) {
+    throw InputError("this page has no device: palpate view --device has one");
+  }
+  silent_ns_ = 0;
+  if (request.action == ViewAction::kDeviceOff) {
+    device_->let_go("");
+  } else if (request.action == ViewAction::kDevice) {
+    tape_.stop(session_.ticks());
+    let_go(false);
+    paused_ = false;
+    device_->ask(request);
+  }
+}
+
+void LiveView::set(const ViewRequest& request) {
+  if (device_active()) {
+    device_->set(request);
+  } else {
+    session_.set(request);
+  }
 }
 
 void LiveView::let_go(bool silent) {
@@ -130,6 +171,7 @@ void LiveView::reset() {
 
 // Begins, or ends.
 void LiveView::record() {
+  refuse_while_held("is recorded");
   if (tape_.recording()) {
     tape_.stop(session_.ticks());
     return;
@@ -139,6 +181,7 @@ void LiveView::record() {
 }
 
 void LiveView::replay() {
+  refuse_while_held("is replayed");
   tape_.stop(session_.ticks());
   if (tape_.empty()) {
     throw InputError("nothing is recorded: record first");
@@ -156,6 +199,7 @@ void LiveView::start_anew() {
 
 // One slow period, so that a step shows an update.
 void LiveView::step() {
+  refuse_while_held("pauses");
   paused_ = true;
   advance(std::max(1L, std::lround(session_.fast_hz() / session_.slow_hz())));
 }
@@ -179,6 +223,10 @@ void LiveView::advance(std::int64_t ticks) {
 }
 
 void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
+  if (session_.is_held()) {  // its time passes in its ticks
+    speed_ = 1.0;
+    return;
+  }
   if (paused_ || wall_ns <= 0) {
     return;
   }
@@ -201,6 +249,12 @@ void LiveView::frame() {
   if (session_.holding() && !tape_.playing() && silent_ns_ > kSilentNs) {
     let_go(true);
   }
+  if (device_active()) {
+    device_->watch(now_ns);
+    if (silent_ns_ > kSilentNs) {
+      device_->let_go("the page fell silent");
+    }
+  }
   pass_time(wall_ns, passed_ns);
   ViewFrame frame = session_.frame();
   frame.state = state();
@@ -208,6 +262,9 @@ void LiveView::frame() {
   frame.speed = paused_ ? 0.0 : speed_;
   frame.clients = clients_.size();
   frame.tape = tape_text(tape_);
+  if (device_ != nullptr) {
+    frame.device = device_->shown();
+  }
   if (news_ != nullptr) {
     frame.service = news_->service();
     tell_news(now_ns);
@@ -235,6 +292,9 @@ std::string_view LiveView::state() const {
     return "paused";
   }
   const bool touching = session_.touching();
+  if (session_.is_held()) {
+    return touching ? "pressing" : "free";
+  }
   if (session_.holding()) {
     return touching ? "pressing" : "approaching";
   }

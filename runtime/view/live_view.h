@@ -8,6 +8,7 @@
 
 #include "runtime/hand/hand_tape.h"
 #include "runtime/realtime/clock.h"
+#include "runtime/view/view_device.h"
 #include "runtime/view/view_message.h"
 #include "runtime/view/view_news.h"
 #include "runtime/view/view_outbox.h"
@@ -20,7 +21,8 @@ namespace palpate {
 /// late by more than kLateNs, time is lost, not made up for. A page that holds the tool
 /// and says nothing for kSilentNs has let go. Lost time does not count, because what
 /// the page said in that time has not been read yet. What a page does to the tool can
-/// be recorded and replayed, with the settings of the moment.
+/// be recorded and replayed, with the settings of the moment. A page that presses with
+/// a device of its own has to say so as often.
 class LiveView : public ViewApplication {
  public:
   static constexpr std::int64_t kSilentNs = 1'000'000'000;
@@ -30,6 +32,9 @@ class LiveView : public ViewApplication {
   /// come; null: it is whole.
   LiveView(ViewSession& session, Clock& wall, ViewNews* news = nullptr)
       : session_(session), wall_(wall), news_(news) {}
+
+  /// The page's own device; must outlive the view.
+  void steer_by(ViewDevice& device) noexcept { device_ = &device; }
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -43,6 +48,9 @@ class LiveView : public ViewApplication {
   void obey(ViewClient client, const ViewRequest& request);
   void point(const ViewRequest& request);
   void let_go(bool silent);
+  void ask_device(const ViewRequest& request);
+  void refuse_while_held(const char* what) const;
+  void set(const ViewRequest& request);
   void record();
   void replay();
   void reset();
@@ -52,6 +60,9 @@ class LiveView : public ViewApplication {
   void start_anew();
   void tell_news(std::int64_t now_ns);
   [[nodiscard]] std::string_view state() const;
+  [[nodiscard]] bool device_active() const {
+    return device_ != nullptr && device_->active();
+  }
   [[nodiscard]] bool steers(ViewClient client) const {
     return !clients_.empty() && clients_.front() == client;
   }
@@ -59,6 +70,7 @@ class LiveView : public ViewApplication {
   ViewSession& session_;
   Clock& wall_;
   ViewNews* news_ = nullptr;
+  ViewDevice* device_ = nullptr;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;  // by age; the first steers
   std::int64_t before_ns_ = -1;      // wall time up to which was simulated

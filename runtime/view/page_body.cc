@@ -12,10 +12,12 @@ constexpr ViewClient kPage = 1;
 }  // namespace
 
 PageBody::PageBody(ResponseDatabase database, std::string_view name,
-                   const ViewSessionOptions& options)
+                   const ViewSessionOptions& options, const InverseConfig& inverse)
     : database_(std::move(database)),
       session_(database_, options),
+      device_(session_, inverse),
       view_(session_, wall_) {
+  view_.steer_by(device_);
   session_.set({.stiffness_scale = 1.0});
   text_ = body_text(viewed(session_, std::string(name)));
   bytes_ = body_bytes(database_, session_.table());

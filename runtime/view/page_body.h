@@ -12,6 +12,7 @@
 #include "formats/database/response_database.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/view/live_view.h"
+#include "runtime/view/page_device.h"
 #include "runtime/view/view_outbox.h"
 #include "runtime/view/view_session.h"
 
@@ -20,9 +21,10 @@ namespace palpate {
 /// One page, which steers; one thread.
 class PageBody : private ViewOutbox {
  public:
-  /// @param name of the database, as the page shows it. @throws as ViewSession.
+  /// @param name of the database, as the page shows it. @param inverse ports of Haply's
+  /// service, as the page may reach them. @throws as ViewSession.
   PageBody(ResponseDatabase database, std::string_view name,
-           const ViewSessionOptions& options);
+           const ViewSessionOptions& options, const InverseConfig& inverse = {});
 
   /// What does not change, as body_text(), and the body, as body_bytes().
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
@@ -39,6 +41,9 @@ class PageBody : private ViewOutbox {
   /// the latest is kept, and comes last.
   [[nodiscard]] std::optional<std::string> take();
 
+  /// The page's own device, for who carries its messages.
+  [[nodiscard]] PageDevice& device() noexcept { return device_; }
+
   [[nodiscard]] const ViewSession& session() const noexcept { return session_; }
 
  private:
@@ -49,6 +54,7 @@ class PageBody : private ViewOutbox {
   ResponseDatabase database_;
   ViewSession session_;
   SimulatedClock wall_;
+  PageDevice device_;
   LiveView view_;
   std::string text_;
   std::string bytes_;

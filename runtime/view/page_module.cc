@@ -24,6 +24,7 @@ struct PageModule {
   std::vector<std::string> names;  // of the database, then of tools
   std::optional<std::string> told;
   std::string_view ready;
+  InverseConfig inverse;
   std::unique_ptr<PageBody> body;
 };
 
@@ -50,7 +51,11 @@ void open() {
   options.tools.assign(m.names.begin() + 1, m.names.end());
   m.body = std::make_unique<PageBody>(
       read_database(StoredSource(std::as_bytes(std::span(flat)), m.names.front())),
-      m.names.front(), options);
+      m.names.front(), options, m.inverse);
+}
+
+PageDevice& own_device() {
+  return module().body->device();
 }
 
 }  // namespace
@@ -105,6 +110,51 @@ PALPATE_EXPORTED(palpate_page_frame) void palpate_page_frame(double now_ms) {
 PALPATE_EXPORTED(palpate_page_take) std::size_t palpate_page_take() {
   module().told = module().body->take();
   return ready(module().told ? std::string_view(*module().told) : "");
+}
+
+/// Of Haply's service, before the database.
+PALPATE_EXPORTED(palpate_page_ports) void palpate_page_ports(int states, int events) {
+  module().inverse.port = static_cast<std::uint16_t>(states);
+  module().inverse.events_port = static_cast<std::uint16_t>(events);
+}
+
+/// Whether the page wants messages of a device carried: from 0 to 1 a connection is to
+/// be made, from 1 to 0 it is to be closed.
+PALPATE_EXPORTED(palpate_page_device_active) int palpate_page_device_active() {
+  return own_device().active() ? 1 : 0;
+}
+
+/// A message of states that came. @param now_ms, received_ms [ms] by the page's clock
+/// @param withheld, asked as HeardAt's
+PALPATE_EXPORTED(palpate_page_device_hear)
+void palpate_page_device_hear(double now_ms, double received_ms, int withheld,
+                              int asked) {
+  own_device().hear(module().given, {.now_ns = nanoseconds_in(1e-3 * now_ms),
+                                     .received_ns = nanoseconds_in(1e-3 * received_ms),
+                                     .withheld = withheld != 0,
+                                     .asked = asked != 0});
+}
+
+/// A message of events.
+PALPATE_EXPORTED(palpate_page_device_event) void palpate_page_device_event() {
+  own_device().hear_event(module().given);
+}
+
+/// The connection is gone, for the reason that the page has put in.
+PALPATE_EXPORTED(palpate_page_device_gone) void palpate_page_device_gone() {
+  own_device().let_go(module().given);
+}
+
+/// Time has passed: a few times within InverseConfig::answer_s.
+PALPATE_EXPORTED(palpate_page_device_watch)
+void palpate_page_device_watch(double now_ms) {
+  own_device().watch(nanoseconds_in(1e-3 * now_ms));
+}
+
+/// What is to be sent after any call; 0: nothing.
+PALPATE_EXPORTED(palpate_page_device_command)
+std::size_t palpate_page_device_command() {
+  return say(own_device().take_command());
 }
 
 }  // extern "C"

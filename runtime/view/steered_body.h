@@ -39,6 +39,9 @@ class SteeredBody {
   [[nodiscard]] virtual RenderedBody& rendered() = 0;
   [[nodiscard]] virtual const RenderedBody& rendered() const = 0;
 
+  /// Other limits of force from the next begin() on. @param ramp_s as FastConfig's.
+  virtual void limit(double force_max_n, double ramp_s) = 0;
+
   /// Model, stiffness, friction and coupling. @throws InputError for a setting that
   /// this body does not have; then none is changed.
   virtual void set(const ViewRequest& request) = 0;
@@ -53,8 +56,11 @@ class SteeredBody {
   /// Whether a hand can turn its tool.
   [[nodiscard]] virtual bool turns() const noexcept = 0;
 
-  /// What of a frame is this body's alone: contacts or hands, dents, settings. `now`
-  /// and `run` are there already. @param hand all hands.
+  /// Model, stiffness and friction at the moment.
+  virtual void tell(ViewSettings& settings) const = 0;
+
+  /// What of a frame is this body's alone: contacts or hands, dents. `now` and `run`
+  /// are there already. @param hand all hands.
   virtual void show(const std::vector<SteeredHand>& hand, ViewFrame& frame) = 0;
 };
 

@@ -54,9 +54,12 @@ void SteeredContact::show(const std::vector<SteeredHand>& /*hand*/, ViewFrame& f
   frame.contact = tool_contact(database_, table_.tool, stream_.search(), tool_m,
                                frame.now.triangle, needle_);
   frame.dents = dents_.at(body_->dents(), adjusted_.stiffness_scale());
-  frame.settings.model = config_.model;
-  frame.settings.stiffness_scale = adjusted_.stiffness_scale();
-  frame.settings.friction = adjusted_.friction();
+}
+
+void SteeredContact::tell(ViewSettings& settings) const {
+  settings.model = config_.model;
+  settings.stiffness_scale = adjusted_.stiffness_scale();
+  settings.friction = adjusted_.friction();
 }
 
 }  // namespace palpate

@@ -24,6 +24,10 @@ class SteeredContact : public SteeredBody {
   void begin() override;
   [[nodiscard]] RenderedBody& rendered() override { return *body_; }
   [[nodiscard]] const RenderedBody& rendered() const override { return *body_; }
+  void limit(double force_max_n, double ramp_s) override {
+    config_.force_max_n = force_max_n;
+    config_.ramp_s = ramp_s;
+  }
   void set(const ViewRequest& request) override;
   [[nodiscard]] std::int32_t triangle_under(std::size_t /*hand*/,
                                             const TickRecord& latest) const override {
@@ -35,6 +39,7 @@ class SteeredContact : public SteeredBody {
     return in == nullptr ? std::nullopt : std::optional(*in);
   }
   [[nodiscard]] bool turns() const noexcept override { return false; }
+  void tell(ViewSettings& settings) const override;
   void show(const std::vector<SteeredHand>& hand, ViewFrame& frame) override;
 
  private:

@@ -178,8 +178,11 @@ void SteeredContacts::show(const std::vector<SteeredHand>& hand, ViewFrame& fram
     }
   }
   frame.dents = dents();
-  frame.settings.stiffness_scale = adjusted_->stiffness_scale();
-  frame.settings.friction = adjusted_->friction();
+}
+
+void SteeredContacts::tell(ViewSettings& settings) const {
+  settings.stiffness_scale = adjusted_->stiffness_scale();
+  settings.friction = adjusted_->friction();
 }
 
 }  // namespace palpate

@@ -157,6 +157,13 @@ Json as_json(const ViewService& service) {
           {"changed", service.changed}};
 }
 
+Json as_json(const ViewDeviceShown& device) {
+  return {{"phase", device.phase},
+          {"detail", device.detail},
+          {"force_max_n", device.force_max_n},
+          {"hz", device.hz}};
+}
+
 template <typename Derived>
 Json flat_list(const Eigen::MatrixBase<Derived>& rows) {
   Json values = Json::array();
@@ -328,6 +335,9 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
   text.pop_back();
   if (frame.service) {
     text += ",\"service\":" + dumped(as_json(*frame.service));
+  }
+  if (frame.device) {
+    text += ",\"device\":" + dumped(as_json(*frame.device));
   }
   if (frame.hands) {
     text += "," + hands_text(*frame.hands, ticks);

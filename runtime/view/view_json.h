@@ -83,6 +83,14 @@ struct ViewService {
   bool changed = false;             ///< the scene's file, since it is served
 };
 
+/// A page's own device.
+struct ViewDeviceShown {
+  std::string_view phase = "off";  ///< "connecting", "testing", "on"
+  std::string detail = {};         ///< what to do, what is felt, or why it ended
+  double force_max_n = 0.0;        ///< [N]
+  double hz = 0.0;                 ///< [Hz] of positions, while it is on
+};
+
 /// One frame: the state now.
 struct ViewFrame {
   std::string_view state = "";  ///< "free", "pressing", "paused", ...
@@ -98,10 +106,11 @@ struct ViewFrame {
   TickRecord now = {};
   ViewContact contact = {};
   std::vector<NodeDent> dents = {};
-  std::optional<ViewHands> hands = {};        ///< of several contacts or two hands
-  std::optional<ViewNeedle> needle = {};      ///< of a tool that punctures
-  std::optional<ViewFriction> friction = {};  ///< of a tool that rubs
-  std::optional<ViewService> service = {};    ///< of a body that is not whole yet
+  std::optional<ViewHands> hands = {};         ///< of several contacts or two hands
+  std::optional<ViewNeedle> needle = {};       ///< of a tool that punctures
+  std::optional<ViewFriction> friction = {};   ///< of a tool that rubs
+  std::optional<ViewService> service = {};     ///< of a body that is not whole yet
+  std::optional<ViewDeviceShown> device = {};  ///< of a page that can have one
   ViewRun run = {};
   ViewSettings settings = {};
 };

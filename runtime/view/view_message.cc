@@ -167,15 +167,37 @@ ViewRequest run(const Json& message) {
   return request;
 }
 
-ViewRequest node(const Json& message, ViewAction action) {
-  check_keys(message, {"type", "node"});
-  const Json& found = value(message, "node");
+std::int32_t node_number(const Json& found) {
   if (!found.is_number_integer()) {
     throw InputError("\"node\" must be a whole number");
   }
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(number(found, "node", 0.0, kMost));
+}
+
+ViewRequest node(const Json& message, ViewAction action) {
+  check_keys(message, {"type", "node"});
   ViewRequest request{.action = action};
-  request.node = static_cast<std::int32_t>(number(found, "node", 0.0, kMost));
+  request.node = node_number(value(message, "node"));
+  return request;
+}
+
+ViewRequest device(const Json& message) {
+  const std::string what = text(message, "do");
+  ViewRequest request{.action = what == "on"     ? ViewAction::kDevice
+                                : what == "keep" ? ViewAction::kDeviceKept
+                                                 : ViewAction::kDeviceOff};
+  if (request.action != ViewAction::kDevice) {
+    check_keys(message, {"type", "do"});
+    if (what != "keep" && what != "off") {
+      throw InputError("\"do\" must be on, keep or off");
+    }
+    return request;
+  }
+  check_keys(message, {"type", "do", "node", "right", "limit"});
+  request.node = node_number(value(message, "node"));
+  take_numbers(value(message, "right"), "right", "three", 1.0, request.right);
+  request.limit = truth(value(message, "limit"), "limit");
   return request;
 }
 
@@ -200,13 +222,16 @@ ViewRequest decode_view_message(std::string_view text_in) {
   if (type == "run") {
     return run(message);
   }
+  if (type == "device") {
+    return device(message);
+  }
   if (type == "node") {
     return node(message, ViewAction::kNode);
   }
   if (type == "field") {
     return node(message, ViewAction::kField);
   }
-  throw InputError("\"type\" must be point, set, run, node or field");
+  throw InputError("\"type\" must be point, set, run, device, node or field");
 }
 
 }  // namespace palpate

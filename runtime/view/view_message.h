@@ -14,6 +14,11 @@
 //   {"type": "run", "do": "pause"}             pause, resume, step, reset, record,
 //                                              replay; anew: the scene that computes
 //                                              the body has changed
+//   {"type": "device", "do": "on", "node": 12, "right": [x, y, z], "limit": false}
+//                                              the page's own device presses from over
+//                                              the node, its x axis to the right of the
+//                                              picture; limit: softened to what it
+//                                              renders; keep: still wanted; off
 //   {"type": "node", "node": 12}               the curve of a node
 //   {"type": "field", "node": 12}              how the surface moves under it
 #pragma once
@@ -42,6 +47,9 @@ enum class ViewAction : std::uint8_t {
   kRecord,
   kReplay,
   kAnew,
+  kDevice,
+  kDeviceKept,
+  kDeviceOff,
   kNode,
   kField
 };
@@ -71,6 +79,8 @@ struct ViewRequest {
   bool database_friction = false;              ///< friction as stored again
   std::optional<bool> coupled = {};            ///< contacts through the body
   std::int32_t node = -1;                      ///< >= 0; the database may have fewer
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();  ///< of the picture, if kDevice
+  bool limit = false;                               ///< stiffness, likewise
 };
 
 /// @throws InputError saying, in one line without any of the message's own text, what

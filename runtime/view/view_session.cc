@@ -104,12 +104,17 @@ std::int32_t node_beside(const ResponseDatabase& database, const ResponseTable& 
 }
 
 FastProcessConfig process_config(const ViewSessionOptions& options,
-                                 const ToolShape& tool) {
+                                 const ToolShape& tool, const HeldDevice& held = {}) {
   FastProcessConfig config;
   config.fast.model = options.model;
   config.fast.tool_radius_m = nominal_height_m(tool);
   config.fast.force_max_n = options.force_max_n;
   config.rate_hz = options.fast_hz;
+  if (held.device != nullptr) {
+    config.rate_hz = held.rate_hz;
+    config.wire = held.wire;
+    config.speed_max_m_per_s = kHandSpeedMaxMPerS;
+  }
   // The slow rate may be set to 1 Hz while this lasts.
   config.stall_s = 1.5;
   config.stall_fault_s = 2.5;
@@ -161,8 +166,7 @@ void ViewSession::seat(SteeredHand& hand, const ResponseTable& table,
                           database_.body.position_m.row(node).transpose(), normal);
 }
 
-void ViewSession::start() {
-  fast_.reset();
+std::vector<Device*> ViewSession::seat_devices() {
   devices_.clear();
   std::vector<Device*> devices;
   for (SteeredHand& hand : hands_) {
@@ -174,12 +178,22 @@ void ViewSession::start() {
     devices_.back()->open();
     devices.push_back(devices_.back().get());
   }
+  if (held_.device != nullptr) {
+    devices.front() = held_.device;
+  }
+  return devices;
+}
+
+void ViewSession::start() {
+  fast_.reset();
+  const std::vector<Device*> devices = seat_devices();
   telemetry_ = std::make_unique<Telemetry>();
   body_->begin();
-  fast_ = std::make_unique<FastProcess>(process_config(options_, table().tool), devices,
-                                        body_->rendered(),
+  fast_ = std::make_unique<FastProcess>(process_config(options_, table().tool, held_),
+                                        devices, body_->rendered(),
                                         TickOutputs{.telemetry = telemetry_.get()});
-  fast_deadlines_ = Deadlines(clock_.now_ns(), options_.fast_hz);
+  fast_deadlines_ =
+      Deadlines(clock_.now_ns(), is_held() ? held_.rate_hz : options_.fast_hz);
   slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
   latest_ = {};
   latest_.time_ns = clock_.now_ns();
@@ -192,6 +206,21 @@ void ViewSession::start() {
 
 void ViewSession::reset() {
   start();
+}
+
+void ViewSession::hold_by(const HeldDevice& held, std::int64_t now_ns) {
+  held_ = held;
+  before_run_ns_ = now_ns - clock_.now_ns();
+  body_->limit(std::min(options_.force_max_n, held.force_max_n), kRampS);
+  start();
+}
+
+void ViewSession::release() {
+  held_ = {};
+  body_->limit(options_.force_max_n, 0.0);
+  if (fault() == Fault::kNone) {
+    start();
+  }
 }
 
 void ViewSession::follow(const HandWish& wish) {
@@ -258,6 +287,10 @@ void ViewSession::advance(std::int64_t ticks) {
   for (std::int64_t i = 0; i < ticks && fault() == Fault::kNone; ++i) {
     tick();
   }
+  trim_ticks();
+}
+
+void ViewSession::trim_ticks() {
   if (ticks_.size() > kTicksKept) {
     ticks_.erase(ticks_.begin(),
                  ticks_.end() - static_cast<std::ptrdiff_t>(kTicksKept));
@@ -276,6 +309,23 @@ void ViewSession::tick() {
       device->close();
     }
   }
+  look_at_tick();
+}
+
+void ViewSession::tick_at(std::int64_t now_ns) {
+  if (fault() != Fault::kNone) {
+    return;
+  }
+  clock_.sleep_until_ns(run_ns(now_ns));
+  // Ticks come when positions do: those that did not come in time were skipped.
+  const bool due = clock_.now_ns() >= fast_deadlines_.next_ns();
+  static_cast<void>(fast_->tick(due ? fast_deadlines_.begin(clock_.now_ns()) : 0));
+  look_at_tick();
+  trim_ticks();
+}
+
+// The slow process where it is due, and what pages are told.
+void ViewSession::look_at_tick() {
   if (rubs_) {
     friction_.add(body_->rendered().friction());
   }
@@ -311,12 +361,17 @@ std::vector<const ResponseTable*> ViewSession::hand_tables() const {
   return tables;
 }
 
+ViewSettings ViewSession::settings() const {
+  ViewSettings settings{.model = options_.model,
+                        .slow_hz = options_.slow_hz,
+                        .fast_hz = is_held() ? held_.rate_hz : options_.fast_hz};
+  body_->tell(settings);
+  return settings;
+}
+
 ViewFrame ViewSession::frame() {
   const RenderReport& r = report();
-  const PointerHand& first = hands_.front().pointer;
   ViewFrame frame{.holding = holding(),
-                  .hand_m = first.target().position_m,
-                  .pointer_m = first.pointer_m(),
                   .fault = name(r.fault),
                   .net_j = r.model_work_j,
                   .now = latest_,
@@ -328,9 +383,12 @@ ViewFrame ViewSession::frame() {
                           .step_p99_ns = r.step_time.percentile_ns(0.99),
                           .depth_max_m = r.depth_max_m,
                           .force_max_n = r.force_max_n},
-                  .settings = {.model = options_.model,
-                               .slow_hz = options_.slow_hz,
-                               .fast_hz = options_.fast_hz}};
+                  .settings = settings()};
+  if (!is_held()) {
+    const PointerHand& first = hands_.front().pointer;
+    frame.hand_m = first.target().position_m;
+    frame.pointer_m = first.pointer_m();
+  }
   body_->show(hands_, frame);
   if (rubs_) {
     frame.friction =

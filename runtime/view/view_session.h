@@ -40,9 +40,19 @@ struct ViewSessionOptions {
   ElementSender* growing = nullptr;
 };
 
-/// One thread. Time passes in advance() alone.
+/// A device that holds the tool in a pointer's place.
+struct HeldDevice {
+  Device* device = nullptr;  ///< open; in the body's frame; outlives its use
+  WireLimits wire = {};
+  double rate_hz = 1000.0;   ///< [Hz] > 0 about as often as tick_at() is called
+  double force_max_n = 5.0;  ///< [N] > 0
+};
+
+/// One thread. Time passes in advance() and tick_at() alone.
 class ViewSession {
  public:
+  static constexpr double kRampS = 0.1;  ///< [s]
+
   /// `database` must outlive the session. @throws InputError for options out of range,
   /// and as coupled_set() where tools have several contacts or are two.
   ViewSession(const ResponseDatabase& database, const ViewSessionOptions& options);
@@ -61,6 +71,29 @@ class ViewSession {
 
   /// Fast ticks pass, unless a fault has ended the run.
   void advance(std::int64_t ticks);
+
+  /// The device holds the tool of the one hand from now on, in a new run whose forces
+  /// grow from zero within kRampS. No pointer steers then.
+  /// @param now_ns of the clock of tick_at().
+  void hold_by(const HeldDevice& held, std::int64_t now_ns);
+
+  /// A pointer holds it again, in a new run; where a fault has ended the run, from the
+  /// next reset() on.
+  void release();
+
+  [[nodiscard]] bool is_held() const { return held_.device != nullptr; }
+
+  /// Other limits of a held device's wire.
+  void watch_wire(const WireLimits& limits) { fast_->watch_wires(limits); }
+
+  /// A fast tick of a held device, unless a fault has ended the run. @param now_ns of
+  /// any clock that does not go back.
+  void tick_at(std::int64_t now_ns);
+
+  /// [ns] Of that clock as the device's readings have it.
+  [[nodiscard]] std::int64_t run_ns(std::int64_t now_ns) const {
+    return now_ns - before_run_ns_;
+  }
 
   /// A new run: clear of the body, faults and accounts gone, settings kept. The body is
   /// as it was at the start of the session: new dents are gone.
@@ -82,6 +115,8 @@ class ViewSession {
   [[nodiscard]] const TickRecord& latest() const noexcept { return latest_; }
   [[nodiscard]] SteeredBody& body() noexcept { return *body_; }
 
+  [[nodiscard]] ViewSettings settings() const;
+
   /// All that the session shows by itself.
   [[nodiscard]] ViewFrame frame();
 
@@ -95,6 +130,9 @@ class ViewSession {
   void seat(SteeredHand& hand, const ResponseTable& table, std::int32_t node);
   void start();
   void tick();
+  void look_at_tick();
+  void trim_ticks();
+  [[nodiscard]] std::vector<Device*> seat_devices();
   void lift(std::size_t hand);
   [[nodiscard]] Eigen::Vector3d clear_of(std::size_t hand) const;
 
@@ -105,6 +143,8 @@ class ViewSession {
   std::unique_ptr<SteeredBody> body_;
   SimulatedClock clock_;
   std::vector<std::unique_ptr<SimulatedDevice>> devices_;
+  HeldDevice held_;
+  std::int64_t before_run_ns_ = 0;  // between a held device's clock and this one
   std::unique_ptr<Telemetry> telemetry_;
   std::unique_ptr<FastProcess> fast_;
   Deadlines fast_deadlines_;

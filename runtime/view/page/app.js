@@ -3,6 +3,7 @@
 import { BodyView } from "/body_view.js";
 import { CurvePlot, handRows, TickPlots } from "/plots.js";
 import { drawArrowKey, drawColourBar, drawScaleBar } from "/bars.js";
+import { DevicePanel } from "/device_panel.js";
 import { Friction } from "/friction.js";
 import { fetchBody, Link } from "/link.js";
 import { Grip, GripPanel } from "/grip.js";
@@ -84,6 +85,10 @@ class App {
   // From the runtime.
   take(state) {
     this.state = state;
+    if (state.device) {
+      this.device ??= new DevicePanel(this);
+      this.device.show(state.device);
+    }
     this.history.add({ ...state.trace, ...state.loads });
     this.fresh = true;
     this.needle?.take(state);
@@ -157,7 +162,7 @@ class App {
   }
 
   hold() {
-    if (!this.place || this.body.text.device || (this.holding && !this.grip)) {
+    if (!this.place || this.body.text.device || this.deviceSteers() || (this.holding && !this.grip)) {
       return;
     }
     this.holding = true;
@@ -167,7 +172,11 @@ class App {
     this.sendPoint();
   }
 
+  // The page's own device.
+  deviceSteers() { return this.state?.device !== undefined && this.state.device.phase !== "off"; }
+
   letGo() {
+    this.device?.letGo();
     if (this.holding) {
       this.forgetHold();
       this.link.letGo();

@@ -2,8 +2,8 @@
 // steps by itself however long a picture takes.
 
 // By the page's first script (formats/report/page/standalone.js): files by name, module
-// and database as bytes, name and tools.
-const { file, module, database, name, tools } = window.palpateInside;
+// and database as bytes, name, tools, ports of a device's service.
+const { file, module, database, name, tools, device_ports } = window.palpateInside;
 
 const worker = new Worker(file("/runtime_worker.js"));
 const started = new Promise((resolve, reject) => {
@@ -15,7 +15,7 @@ const started = new Promise((resolve, reject) => {
     }
   });
 });
-worker.postMessage({ module, database, name, tools }, [module, database]);
+worker.postMessage({ module, database, name, tools, device_ports, device_worker: file("/device_worker.js") }, [module, database]);
 
 // @return as fetch() does
 export async function data(path) {

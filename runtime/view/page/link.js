@@ -40,6 +40,7 @@ export class Link {
   send(message) { this.leave(JSON.stringify(message)); }
   set(settings) { this.send({ type: "set", ...settings }); }
   run(what) { this.send({ type: "run", do: what }); }
+  device(what, more = {}) { this.send({ type: "device", do: what, ...more }); }
   node(node) { this.send({ type: "node", node }); }
   field(node) { this.send({ type: "field", node }); }
   // @param more of several contacts or hands: { hand, turn }.

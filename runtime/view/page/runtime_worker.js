@@ -2,8 +2,11 @@
 // WebAssembly. Messages are those of the live view's socket.
 
 const kFrameMs = 1000 / 60;
+const kWatchMs = 5;
 
 let exported = null;
+let device = null;         // the worker that carries the messages of the page's own device
+let startDevice = null;    // makes it
 const memory = () => new Uint8Array(exported.memory.buffer);
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
@@ -52,7 +55,44 @@ function give(bytes) {
 const bytesAt = (begin, size) => memory().slice(begin, begin + size);
 const ready = (size) => bytesAt(exported.palpate_page_ready(), size);
 
-async function start({ module, database, name, tools }) {
+// Whether a device is wanted, and what is to be said to it, after each call.
+function followDevice() {
+  const command = exported.palpate_page_device_command();
+  if (command > 0) {
+    device?.postMessage(decoder.decode(ready(command)));
+  }
+  if (exported.palpate_page_device_active() === 0) {
+    device?.postMessage("end");
+    device = null;
+  } else {
+    device ??= startDevice();
+  }
+}
+
+function makeDevice(script, ports) {
+  const made = new Worker(script);
+  made.postMessage({ ports });
+  made.onmessage = ({ data: [type, text, instant, withheld, asked] }) => {
+    if (made !== device) {
+      return;
+    }
+    guarded(() => {
+      const now = performance.now();
+      give(encoder.encode(text));
+      if (type === "state") {
+        exported.palpate_page_device_hear(now, Math.min(now, instant - performance.timeOrigin), withheld, asked);
+      } else if (type === "event") {
+        exported.palpate_page_device_event();
+      } else {
+        exported.palpate_page_device_gone();
+      }
+      followDevice();
+    });
+  };
+  return made;
+}
+
+async function start({ module, database, name, tools, device_ports: ports, device_worker: script }) {
   const { instance } = await WebAssembly.instantiate(module, imports);
   exported = instance.exports;
   exported._initialize();
@@ -60,6 +100,8 @@ async function start({ module, database, name, tools }) {
     give(encoder.encode(text));
     exported.palpate_page_name();
   }
+  exported.palpate_page_ports(ports.states, ports.events);
+  startDevice = () => makeDevice(script, ports);
   give(new Uint8Array(database));
   const refused = exported.palpate_page_open();
   if (refused > 0) {
@@ -82,6 +124,8 @@ function guarded(act) {
   } catch (error) {
     clearInterval(timer);
     timer = null;
+    device?.postMessage("end");
+    device = null;
     postMessage(["failed", error.message]);
   }
 }
@@ -94,11 +138,17 @@ onmessage = ({ data }) => {
     timer = setInterval(() => guarded(() => {
       exported.palpate_page_frame(performance.now());
       tell();
+      followDevice();
     }), kFrameMs);
+    setInterval(() => device !== null && guarded(() => {
+      exported.palpate_page_device_watch(performance.now());
+      followDevice();
+    }), kWatchMs);
   } else if (timer !== null) {
     guarded(() => {
       give(encoder.encode(data));
       exported.palpate_page_receive();
+      followDevice();
     });
   }
 };

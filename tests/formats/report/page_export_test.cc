@@ -59,7 +59,7 @@ TEST(PageExport, RendersTheSameNumbersAndLeavesOutWhatNobodySees) {
 TEST(PageExport, ALargerPageKeepsFewerDigitsThenNoDisplacements) {
   const ResponseDatabase database = full_plate();
   const std::size_t whole = page_of(database, "plate.h5", {}, kNoModule).html.size();
-  const PageExport digits = page_of(database, "plate.h5", {}, kNoModule, whole - 1);
+  const PageExport digits = page_of(database, "plate.h5", {}, kNoModule, {}, whole - 1);
   const ResponseDatabase carried = carried_by(digits);
   const ResponseTable& table = carried.tools[0];
   EXPECT_LT(digits.html.size(), whole);
@@ -71,7 +71,7 @@ TEST(PageExport, ALargerPageKeepsFewerDigitsThenNoDisplacements) {
   }
   EXPECT_GT(off_n, 0.0);
   EXPECT_LT(off_n, step_n);
-  const PageExport least = page_of(database, "plate.h5", {}, kNoModule, 1);
+  const PageExport least = page_of(database, "plate.h5", {}, kNoModule, {}, 1);
   EXPECT_TRUE(carried_by(least).tools[0].displacement.node.empty());
   EXPECT_NE(least.left_out.find("displacements"), std::string::npos);
 }

@@ -204,14 +204,14 @@ TEST(InverseLink, AGripThatIsGoneIsAFaultAfterAWhile) {
   wanted.grip_turn = [](double time_s) {
     return Eigen::Quaterniond(Eigen::AngleAxisd(time_s, Eigen::Vector3d::UnitY()));
   };
-  for (const std::int64_t count : {InverseLink::kGripSilentMax - 1, 1000}) {
+  for (const std::int64_t count : {InverseSession::kGripSilentMax - 1, 1000}) {
     wanted.faults = {.fault = InverseFault::kNoGrip, .from = 20, .count = count};
     EmulatedInverse service(wanted);
     InverseLink link(client_config(service));
     link.open();
     ASSERT_TRUE(link.measures_turns());
     const Eigen::Quaterniond before = link.turn();
-    const bool goes_on = count < InverseLink::kGripSilentMax;
+    const bool goes_on = count < InverseSession::kGripSilentMax;
     const int exchanges = push_until_lost(link, 200);
     EXPECT_EQ(exchanges < 200, !goes_on);
     if (goes_on) {
@@ -221,7 +221,7 @@ TEST(InverseLink, AGripThatIsGoneIsAFaultAfterAWhile) {
       EXPECT_LT((axis - axis.y() * Eigen::Vector3d::UnitY()).norm(), 1e-6);
     } else {
       EXPECT_NE(link.failure().find("grip is gone"), std::string::npos);
-      EXPECT_NEAR(exchanges, 18 + InverseLink::kGripSilentMax, 1);
+      EXPECT_NEAR(exchanges, 18 + InverseSession::kGripSilentMax, 1);
     }
   }
 }
