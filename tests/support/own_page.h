@@ -32,13 +32,15 @@ inline nlohmann::json seen_on_file(const std::string& html, const std::string& f
   return scripted("--own '" + (folder / "body.html").string() + "'", flags);
 }
 
-/// What the script saw of the database's own page.
+/// What the script saw of the database's own page. @param device ports of a service
 inline nlohmann::json seen_on_own_page(const ResponseDatabase& database,
                                        const std::vector<std::string>& tools,
-                                       const std::string& flags) {
+                                       const std::string& flags,
+                                       const InversePorts& device = {}) {
   const std::string module = read_file(page_module_file());
   return seen_on_file(
-      page_of(database, "body.h5", tools, std::as_bytes(std::span(module))).html,
+      page_of(database, "body.h5", tools, std::as_bytes(std::span(module)), device)
+          .html,
       flags);
 }
 

@@ -1,7 +1,7 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
 view_page.py PALPATE-RUN DATABASE [FOLDER for pictures]
-             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle | --friction | --touch]
+             [--no-3d | --dimple | --standing | --contacts | --pinch | --needle | --friction | --touch | --device]
 view_page.py --own PAGE.html [FOLDER for pictures] [the same]: a page of its own, from a
 file; "log" is what its runtime was asked and told, in order. "refused": why it did not start.
 """
@@ -95,6 +95,9 @@ const listen = `{
     if (event.data === "log") {
       event.stopImmediatePropagation();
       post(["log", log]);
+    } else if (typeof event.data === "number") {  // [ms] that it hangs
+      event.stopImmediatePropagation();
+      for (const begin = performance.now(); performance.now() - begin < event.data;) {}
     } else if (typeof event.data === "string" && event.data !== "go") {
       log.push({ text: event.data });
     }
@@ -102,9 +105,22 @@ const listen = `{
   const make = WebAssembly.instantiate;
   WebAssembly.instantiate = async (...all) => {
     const { instance: { exports } } = await make(...all);
-    return { instance: { exports: { ...exports, palpate_page_frame: (now) => {
-      log.push({ now });
-      exports.palpate_page_frame(now);
+    let room = [0, 0];
+    const given = () => new TextDecoder().decode(new Uint8Array(exports.memory.buffer, ...room));
+    const heard = {
+      palpate_page_frame: (now) => ({ now }),
+      palpate_page_device_watch: (watch) => ({ watch }),
+      palpate_page_device_hear: (...hear) => ({ hear, given: given() }),
+      palpate_page_device_event: () => ({ event: given() }),
+      palpate_page_device_gone: () => ({ gone: given() }),
+    };
+    const wrapped = Object.entries(heard).map(([name, entry]) => [name, (...all) => {
+      log.push(entry(...all));
+      return exports[name](...all);
+    }]);
+    return { instance: { exports: { ...exports, ...Object.fromEntries(wrapped), palpate_page_room: (size) => {
+      room = [exports.palpate_page_room(size), size];
+      return room[0];
     } } } };
   };
 }`;
@@ -118,7 +134,7 @@ const RealWorker = Worker;
 window.Worker = class extends RealWorker {
   constructor(address) {
     super(address);
-    window.listened = this;
+    window.listened ??= this;
   }
 };
 """
@@ -436,6 +452,40 @@ return {
 """
 
 
+def device(page, watcher, seen):
+    """Asks for the page's own device, presses, lets its runtime hang, and lets go."""
+    state = watcher.state
+    page.driver.find_element(By.ID, "device_limit").click()
+    page.driver.find_element(By.ID, "device").click()
+    page.wait(lambda: state()["device"]["phase"] == "testing")
+    seen["told"] = page.text("device_text")
+    page.wait(lambda: state()["device"]["phase"] != "testing")
+    seen["device"] = state()["device"]
+    seen["settings"] = state()["settings"]
+    if seen["device"]["phase"] != "on":
+        return
+    page.wait(lambda: state()["state"] == "pressing" and state()["depth_m"] > 0.001)
+    page.picture("device")
+    page.keys("p")  # the pointer does not press beside it
+    seen["holding"] = state()["holding"]
+    seen["hz"] = state()["device"]["hz"]
+    page.driver.execute_script("window.listened.postMessage(120);")  # its runtime hangs
+    page.wait(lambda: state()["state"] == "free")
+    seen["after"] = state()["device"]["phase"]
+    page.wait(lambda: state()["state"] == "pressing" and state()["depth_m"] > 0.001)
+    page.driver.execute_script("window.listened.postMessage(900);")
+    page.wait(lambda: state()["device"]["phase"] == "off")
+    seen["hung"] = page.text("device_text")
+    page.keys("r")
+    page.wait(lambda: state()["fault"] == "none")
+    page.driver.find_element(By.ID, "device").click()
+    page.wait(lambda: state()["device"]["phase"] == "testing")
+    page.keys(Keys.ESCAPE)
+    page.wait(lambda: state()["device"]["phase"] == "off")
+    seen["off"] = page.text("device_text")
+    poke_by_keys(page, seen)
+
+
 def inserted(page):
     return int(page.text("membranes")) > 0 and "tip in" in page.text("layer_now")
 
@@ -580,6 +630,8 @@ def play(page, watcher, more, flat, seen):
         pinch(page, watcher, seen)
     elif "--needle" in more:
         needle(page, watcher, seen)
+    elif "--device" in more:
+        device(page, watcher, seen)
     elif "--touch" in more:
         touch(page, watcher, seen)
     elif "--friction" in more:

@@ -46,7 +46,7 @@ class App {
       answers: (message) => this.served?.answers(message),
       role: (message) => this.showRole(message.role),
       refused: (message) => this.complain(message.why),
-      gone: () => this.lost(),
+      gone: (why) => this.lost(why),
     });
     this.settings = new Settings(body.text, (settings) => this.link.set(settings));
     this.setPress(this.press);
@@ -111,7 +111,8 @@ class App {
     }
   }
 
-  lost() {
+  lost(why = "") {
+    get("message").textContent = why;
     this.forgetHold();
     this.state = null;
     get("state").textContent = "no connection";

@@ -1,10 +1,11 @@
-// Carries messages between Haply's service and the runtime (runtime_worker.js, whose
-// worker this is), and stands between the device and a runtime that hangs: after
-// kSilentMs without its answer the force is zero, after kGoneMs the connection ends.
+// Carries messages between Haply's service and the runtime (runtime_worker.js), and stands
+// between the device and a runtime that hangs: after kSilentMs without its answer the force
+// is zero, after kGoneMs the connection ends.
 
 const kSilentMs = 20;
 const kGoneMs = 1000;
 
+let line = null;        // to the runtime
 let states = null;
 let events = null;
 let latest = "";        // command
@@ -25,7 +26,7 @@ function send(command, mine) {
 }
 
 function release() {
-  if (latest !== "" && !released && states.readyState === WebSocket.OPEN) {
+  if (latest !== "" && !released && states?.readyState === WebSocket.OPEN) {
     released = true;
     withheld = true;
     send(zeroOf(latest), true);
@@ -40,20 +41,16 @@ function end() {
   close();
 }
 
-function gone(why) {
-  postMessage(["gone", why]);
-}
-
-function open({ ports }) {
+function open(ports) {
   const socket = (port, what) => {
     const made = new WebSocket(`ws://127.0.0.1:${port}/`);
-    made.onclose = () => gone(made.opened ? "the service has stopped"
-      : `no ${what} at port ${port} of this computer: is Haply's service running, and may this page reach it?`);
+    made.onclose = () => line.postMessage(["gone", made.opened ? "the service has stopped"
+      : `no ${what} at port ${port} of this computer: is Haply's service running, and may this page reach it?`]);
     return made;
   };
   // Before the first force, so that no event is missed.
   events = socket(ports.events, "events");
-  events.onmessage = ({ data }) => postMessage(["event", data]);
+  events.onmessage = ({ data }) => line.postMessage(["event", data]);
   events.onopen = () => {
     events.opened = true;
     states = socket(ports.states, "service");
@@ -62,7 +59,7 @@ function open({ ports }) {
       const asked = own.length > 0;
       if (own.shift() !== true) {
         waiting ||= now();
-        postMessage(["state", data, instant(), withheld, asked]);
+        line.postMessage(["state", data, instant(), withheld, asked]);
         withheld = false;
       }
     };
@@ -72,6 +69,7 @@ function open({ ports }) {
 setInterval(() => {
   const silent = Math.max(waiting > 0 ? now() - waiting : 0, now() - heard - kSilentMs);
   if (latest !== "" && silent > kGoneMs) {
+    line.postMessage(["gone", "the page hung for a second"]);
     end();
   } else if (silent > kSilentMs) {
     release();
@@ -79,17 +77,21 @@ setInterval(() => {
 }, 5);
 
 onmessage = ({ data }) => {
-  if (typeof data === "object") {
-    open(data);
-  } else if (data === "end") {
+  line = data.line;
+  line.onmessage = ({ data: command }) => take(command);
+  open(data.ports);
+};
+
+function take(command) {
+  if (command === "end") {
     end();
-  } else if (states.readyState === WebSocket.OPEN) {
+  } else if (states?.readyState === WebSocket.OPEN) {
     const late = waiting > 0 && now() - waiting > kSilentMs;  // of a place long left
-    latest = data;
+    latest = command;
     heard = now();
     waiting = 0;
     released = late;
     withheld ||= late;
-    send(late ? zeroOf(data) : data, false);
+    send(late ? zeroOf(command) : command, false);
   }
-};
+}

@@ -10,12 +10,14 @@ const started = new Promise((resolve, reject) => {
   worker.addEventListener("message", ({ data: [type, value] }) => {
     if (type === "started") {
       resolve(value);
+    } else if (type === "device") {  // the other end of a line to it
+      new Worker(file("/device_worker.js")).postMessage({ line: value, ports: device_ports }, [value]);
     } else if (type === "failed") {
       reject(new Error(value));
     }
   });
 });
-worker.postMessage({ module, database, name, tools, device_ports, device_worker: file("/device_worker.js") }, [module, database]);
+worker.postMessage({ module, database, name, tools, device_ports }, [module, database]);
 
 // @return as fetch() does
 export async function data(path) {
@@ -23,14 +25,14 @@ export async function data(path) {
   return new Response(path === "/body.json" ? text : bytes);
 }
 
-// Calls on.text(text) for every message, and on.gone() when the runtime has ended.
+// Calls on.text(text) for every message, and on.gone(why) when the runtime has ended.
 // @return what sends a text
 export function connect(on) {
   worker.addEventListener("message", ({ data: [type, value] }) => {
     if (type === "text") {
       on.text(value);
     } else if (type === "failed") {
-      on.gone();
+      on.gone(value);
     }
   });
   worker.postMessage("go");

@@ -25,7 +25,7 @@ export async function fetchBody() {
   };
 }
 
-// Calls on[type](message) for every message, and on.gone() when there is no connection.
+// Calls on[type](message) for every message, and on.gone(why) when there is no connection.
 export class Link {
   constructor(on) {
     this.leave = connect({
@@ -33,7 +33,7 @@ export class Link {
         const message = JSON.parse(text);
         on[message.type]?.(message);
       },
-      gone: () => on.gone(),
+      gone: (why) => on.gone(why),
     });
   }
 

@@ -5,8 +5,7 @@ const kFrameMs = 1000 / 60;
 const kWatchMs = 5;
 
 let exported = null;
-let device = null;         // the worker that carries the messages of the page's own device
-let startDevice = null;    // makes it
+let device = null;  // line to the worker that carries messages of the page's own device
 const memory = () => new Uint8Array(exported.memory.buffer);
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
@@ -65,15 +64,15 @@ function followDevice() {
     device?.postMessage("end");
     device = null;
   } else {
-    device ??= startDevice();
+    device ??= lineToDevice();
   }
 }
 
-function makeDevice(script, ports) {
-  const made = new Worker(script);
-  made.postMessage({ ports });
-  made.onmessage = ({ data: [type, text, instant, withheld, asked] }) => {
-    if (made !== device) {
+function lineToDevice() {
+  const { port1: line, port2: end } = new MessageChannel();
+  postMessage(["device", end], [end]);
+  line.onmessage = ({ data: [type, text, instant, withheld, asked] }) => {
+    if (line !== device) {
       return;
     }
     guarded(() => {
@@ -89,10 +88,10 @@ function makeDevice(script, ports) {
       followDevice();
     });
   };
-  return made;
+  return line;
 }
 
-async function start({ module, database, name, tools, device_ports: ports, device_worker: script }) {
+async function start({ module, database, name, tools, device_ports: ports }) {
   const { instance } = await WebAssembly.instantiate(module, imports);
   exported = instance.exports;
   exported._initialize();
@@ -101,7 +100,7 @@ async function start({ module, database, name, tools, device_ports: ports, devic
     exported.palpate_page_name();
   }
   exported.palpate_page_ports(ports.states, ports.events);
-  startDevice = () => makeDevice(script, ports);
+  
   give(new Uint8Array(database));
   const refused = exported.palpate_page_open();
   if (refused > 0) {

@@ -14,6 +14,7 @@
 #include "formats/base/json_text.h"
 #include "formats/database/table_memory.h"
 #include "formats/report/standalone_page.h"
+#include "runtime/inverse/emulated_inverse.h"
 #include "runtime/view/page_body.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/sample_bodies.h"
@@ -66,6 +67,26 @@ void compare(const Json& told, const Json& state, Compared& so_far) {
   }
 }
 
+// What the page's workers carried.
+void replay_device(PageDevice& device, const Json& entry) {
+  const auto ns = [](const Json& ms) {
+    return nanoseconds_in(1e-3 * ms.get<double>());
+  };
+  if (entry.contains("watch")) {
+    device.watch(ns(entry["watch"]));
+  } else if (entry.contains("event")) {
+    device.hear_event(entry["event"].get<std::string>());
+  } else if (entry.contains("gone")) {
+    device.let_go(entry["gone"].get<std::string>());
+  } else {
+    const Json& hear = entry["hear"];
+    device.hear(entry["given"].get<std::string>(), {.now_ns = ns(hear[0]),
+                                                    .received_ns = ns(hear[1]),
+                                                    .withheld = hear[2].get<bool>(),
+                                                    .asked = hear[3].get<bool>()});
+  }
+}
+
 // This machine's runtime, asked what the page's was, when it was.
 Compared replayed(const ResponseDatabase& database,
                   const std::vector<std::string>& tools, const Json& log) {
@@ -76,6 +97,8 @@ Compared replayed(const ResponseDatabase& database,
       body.receive(entry["text"].get<std::string>());
     } else if (entry.contains("now")) {
       body.frame(nanoseconds_in(1e-3 * entry["now"].get<double>()));
+    } else if (!entry.contains("told")) {
+      replay_device(body.device(), entry);
     } else {
       while (const std::optional<std::string> text = body.take()) {
         const Json state = parse_json(*text);
@@ -108,6 +131,18 @@ Compared compared(const Json& seen, const ResponseDatabase& database,
       seen["start_ms"].get<double>(), seen["frames_per_s"].get<double>(),
       seen["speed"].get<double>(), both.frames, both.most_n, both.force_n);
   return both;
+}
+
+// Without another command, of forces that are not zero.
+double longest_held_s(const std::vector<MotorRecord>& trace) {
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < trace.size(); ++i) {
+    if (trace[i - 1].force_n > 0.0) {
+      longest_s =
+          std::max(longest_s, seconds_in(trace[i].time_ns - trace[i - 1].time_ns));
+    }
+  }
+  return longest_s;
 }
 
 ResponseDatabase soft_body() {
@@ -146,6 +181,48 @@ TEST(OwnPage, ABodyThatRelaxesAndYieldsDoesSoInThePage) {
   relaxes.yielding = {.yield_depth_m = {0.001}, .share = {0.3}};
   give_memory(database.body, database.normal, relaxes, 2, database.tools[0]);
   EXPECT_GT(compared(seen_on_own_page(database, {}, ""), database).remembered_j, 1e-6);
+}
+
+// A person's hand on an emulated Inverse3, felt through the page.
+TEST(OwnPage, ADevicePressesThroughThePageAndEndsAtZeroForce) {
+  NEEDS_A_PAGE();
+  constexpr double kClearM = 0.01;
+  const ResponseDatabase database = sample_database(
+      plate(0.1, 20), ball(0.008, 0.05, 5e-4),
+      [](Eigen::Index, double d) {
+        return 60.0 * d;
+      },
+      0.01);
+  EmulatedInverseConfig wanted;
+  wanted.hand = {.surface_m = inverse_rest_m() - kClearM * Eigen::Vector3d::UnitY(),
+                 .normal = Eigen::Vector3d::UnitY(),
+                 .clear_m = kClearM,
+                 .press_m = 0.005,
+                 .deeper_m = 0.008,
+                 .still_s = 4.0};
+  wanted.trace_max = 200'000;
+  EmulatedInverse service(wanted);
+  const Json seen = seen_on_own_page(database, {}, "--device",
+                                     {service.port(), service.events_port()});
+  ASSERT_EQ(seen["device"]["phase"], "on") << seen["device"];
+  compared(seen, database);
+  EXPECT_NE(seen["told"].get<std::string>().find("hold the tool loosely"),
+            std::string::npos);
+  EXPECT_EQ(seen["holding"], false);
+  EXPECT_EQ(seen["after"], "on");
+  EXPECT_NE(seen["hung"].get<std::string>().find("fault"), std::string::npos)
+      << seen["hung"];
+  EXPECT_EQ(seen["off"], "");
+  EXPECT_EQ(service.refused(), "");
+  EXPECT_EQ(service.force_n(), Eigen::Vector3d::Zero());
+  EXPECT_LT(service.given_to_hand_j(), 0.01);
+  fmt::print(
+      "[ device   ] {:.0f} forces a second, stiffness times {:.2f}, {:.2g} mJ to "
+      "the hand, longest force held {:.0f} ms\n",
+      seen["hz"].get<double>(), seen["settings"]["stiffness_scale"].get<double>(),
+      1e3 * service.given_to_hand_j(), 1e3 * longest_held_s(service.trace()));
+  // While its runtime hung, for 0.9 s, its worker let go.
+  EXPECT_LT(longest_held_s(service.trace()), 0.45);
 }
 
 // Its runtime's own sentence, thrown and caught in WebAssembly.
