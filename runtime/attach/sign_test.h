@@ -46,9 +46,9 @@ class SignTest {
   /// What to hold from now on [N]; first zero.
   /// @param position_m [m] as the force of the call before began to act; none: that
   /// exchange was missed.
-  /// @throws DeviceError if an axis pushes the wrong way, the tool ran away, or nothing
-  /// could be felt (the tool is held fast or lies at a stop). The force is then to be
-  /// zero.
+  /// @throws DeviceError if an axis pushes the wrong way, or the tool ran away. Also if
+  /// nothing could be felt: the tool is held fast or lies at a stop. The force is then
+  /// to be zero.
   [[nodiscard]] Eigen::Vector3d next(const std::optional<Eigen::Vector3d>& position_m,
                                      std::int64_t now_ns);
 

@@ -3,7 +3,7 @@
 //
 // One fast tick is one exchange: a state comes, its position is rendered, and the force
 // leaves as the next command. So a force begins to act one exchange after its position
-// was measured, and acts for one exchange: both are measured while the motors are
+// was measured, and acts for one exchange. Exchanges are timed while the motors are
 // tested, and bound the stiffness.
 #pragma once
 
@@ -32,12 +32,12 @@ struct HeardAt {
 };
 
 /// Presses with tools of one contact, by passive models. Before the first force its
-/// motors are tested (sign_test.h); a service whose spelling of forces is another than
-/// that of version 3.5 is found by it.
+/// motors are tested (sign_test.h). The test also finds a service that spells forces
+/// as before version 3.5.
 ///
 /// The force is zero after a state that does not come within InverseConfig::answer_s.
-/// The device is let go of, and active() ends, after whatever InverseSession gives up
-/// for, a fault of the runtime, and for what the page says.
+/// The device is let go of where InverseSession gives up, after a fault of the runtime,
+/// and when the page says so. Then active() ends.
 class PageDevice : public ViewDevice {
  public:
   /// Of a session that outlives it.

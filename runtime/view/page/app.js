@@ -352,7 +352,7 @@ class App {
     put("state", state.fault === "none" ? state.state : `fault: ${state.fault}`);
     get("state").dataset.kind = state.fault !== "none" || state.state.includes("silent") ? "warn"
       : state.state === "pressing" ? "contact" : "";
-    put("fast", `${state.settings.fast_hz} Hz`);
+    put("fast", `${Math.round(state.settings.fast_hz)} Hz`);
     put("slow", `${Number(state.settings.slow_hz.toPrecision(4))} Hz`);
     put("step_time", !(state.run.step_p50_ns > 0) ? "–" : `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
     put("speed", state.paused ? "paused" : `${state.speed.toFixed(2)} ×`);

@@ -69,7 +69,7 @@ function open(ports) {
 setInterval(() => {
   const silent = Math.max(waiting > 0 ? now() - waiting : 0, now() - heard - kSilentMs);
   if (latest !== "" && silent > kGoneMs) {
-    line.postMessage(["gone", "the page hung for a second"]);
+    line.postMessage(["gone", "the page stood still for a second"]);
     end();
   } else if (silent > kSilentMs) {
     release();

@@ -16,6 +16,26 @@ HandScript pressed(const Eigen::Vector3d& normal) {
           .clear_m = 0.01};
 }
 
+TEST(PlacedDevice, ItsRightIsThePicturesAsFarAsTheNormalLets) {
+  for (const Eigen::Vector3d& normal :
+       {Eigen::Vector3d(0.3, -0.5, 0.8), Eigen::Vector3d(1.0, 0.05, 0.0)}) {
+    for (const Eigen::Vector3d& right :
+         {Eigen::Vector3d(0.6, 0.8, 0.0), Eigen::Vector3d(-1.0, 0.0, 0.0),
+          Eigen::Vector3d::Zero().eval()}) {
+      const HandScript script = pressed(normal);
+      const Placement placed = placement_over(script, rest_m, right);
+      EXPECT_TRUE((placed.rotation * placed.rotation.transpose()).isIdentity(1e-12));
+      EXPECT_NEAR(placed.rotation.determinant(), 1.0, 1e-12);
+      EXPECT_TRUE(placed.rotation.col(1).isApprox(script.normal, 1e-12));
+      if (std::abs(right.dot(script.normal)) < 0.9 && !right.isZero()) {
+        const Eigen::Vector3d across =
+            (right - right.dot(script.normal) * script.normal).normalized();
+        EXPECT_TRUE(placed.rotation.col(0).isApprox(across, 1e-12));
+      }
+    }
+  }
+}
+
 TEST(PlacedDevice, InASectionStaysInItWhereverTheDeviceGoes) {
   for (int axis = 0; axis < 2; ++axis) {
     const Placement placement = placement_in({.axis = axis, .offset_m = 0.007},

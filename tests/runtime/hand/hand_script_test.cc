@@ -34,6 +34,17 @@ TEST(HandScript, StaysAboveTheSurfaceAtBothEndsOfARound) {
   EXPECT_NEAR(height_m(s, 7.0 * s.duration_s), s.clear_m, 1e-15);
 }
 
+TEST(HandScript, IsStillBeforeTheFirstRound) {
+  HandScript s = script();
+  const HandScript at_once = s;
+  s.still_s = 1.5;
+  for (const double t : {0.0, 0.7, 1.5}) {
+    EXPECT_EQ(s.at(t).position_m, at_once.at(0.0).position_m);
+    EXPECT_EQ(s.at(t).velocity_m_per_s, Eigen::Vector3d::Zero());
+  }
+  EXPECT_EQ(s.at(2.5).position_m, at_once.at(1.0).position_m);
+}
+
 TEST(HandScript, ReachesItsDepthsAndKeepsItsDepthInTheCircle) {
   const HandScript s = script();
   double lowest = 1.0;

@@ -151,6 +151,8 @@ TEST_F(LiveViewTest, AMalformedMessageIsAnsweredAndChangesNothing) {
   EXPECT_EQ(session_.options().slow_hz, 100.0);
   view_.received(1, R"({"type":"node","node":100000})");
   EXPECT_TRUE(contains(outbox_.sent[1], "is not there"));
+  view_.received(1, R"({"type":"device","do":"keep"})");
+  EXPECT_TRUE(contains(outbox_.sent[1], "this page has no device"));
 }
 
 TEST_F(LiveViewTest, TimeStandsStillWhilePausedAndAStepIsASlowPeriod) {

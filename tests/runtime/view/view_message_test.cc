@@ -60,6 +60,19 @@ TEST(ViewMessage, NodesAreAskedForTheirCurvesOrFields) {
   EXPECT_EQ(field.node, 0);
 }
 
+TEST(ViewMessage, ADeviceIsAskedForKeptAndLetGoOf) {
+  const ViewRequest on = decode_view_message(
+      R"({"type":"device","do":"on","node":7,"right":[0.6,0,0.8],"limit":true})");
+  EXPECT_EQ(on.action, ViewAction::kDevice);
+  EXPECT_EQ(on.node, 7);
+  EXPECT_EQ(on.right, Eigen::Vector3d(0.6, 0.0, 0.8));
+  EXPECT_TRUE(on.limit);
+  EXPECT_EQ(decode_view_message(R"({"type":"device","do":"keep"})").action,
+            ViewAction::kDeviceKept);
+  EXPECT_EQ(decode_view_message(R"({"type":"device","do":"off"})").action,
+            ViewAction::kDeviceOff);
+}
+
 TEST(ViewMessage, EveryModelHasItsName) {
   for (const LocalModel model : kLocalModels) {
     const std::string text =
@@ -115,6 +128,12 @@ INSTANTIATE_TEST_SUITE_P(
         R"({"type":"run"})", R"({"type":"run","do":"evil"})", R"({"type":"node"})",
         R"({"type":"node","node":-1})", R"({"type":"node","node":1.5})",
         R"({"type":"node","node":4294967296})", R"({"type":"field"})",
+        R"({"type":"device"})", R"({"type":"device","do":"evil"})",
+        R"({"type":"device","do":"on"})", R"({"type":"device","do":"keep","node":0})",
+        R"({"type":"device","do":"on","node":0,"right":[1,0],"limit":false})",
+        R"({"type":"device","do":"on","node":0,"right":[2,0,0],"limit":false})",
+        R"({"type":"device","do":"on","node":0,"right":[1,0,0],"limit":1})",
+        R"({"type":"device","do":"on","node":-1,"right":[1,0,0],"limit":false})",
         R"({"type":"field","node":-1})", R"({"type":"field","node":0,"evil":0})"));
 
 }  // namespace
