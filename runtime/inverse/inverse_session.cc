@@ -178,7 +178,7 @@ const char* InverseSession::take_unasked() noexcept {
 }
 
 const char* InverseSession::exchanged(bool in_time) noexcept {
-  known_ = in_time;
+  known_ = in_time && std::exchange(begun_, begun_ || in_time);
   missed_ = in_time ? 0 : missed_ + 1;
   return missed_ > kMissedMax ? "answers no commands any more" : nullptr;
 }

@@ -43,9 +43,9 @@ struct InverseConfig {
 
 /// One session; one thread. First greet(), then a command for every state, from which
 /// on forces are what the device is to hold. Functions that return a text return why
-/// the session must end, or null. The force is zero until a state has answered the
-/// command before, and after one that did not come in time. A grip that is there when
-/// the session begins says how the tool is turned. A grip that is not heard of for
+/// the session must end, or null. The force is zero in the first two commands, and
+/// after a state that did not come in time until one has. A grip that is there when the
+/// session begins says how the tool is turned. A grip that is not heard of for
 /// kGripSilentMax states is a fault. A grip that says what is no orientation is a
 /// fault, too.
 class InverseSession {
@@ -107,6 +107,7 @@ class InverseSession {
   std::array<char, kInverseCommandBytes> command_{};
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d sent_n_ = Eigen::Vector3d::Zero();
+  bool begun_ = false;  // the first command was answered
   bool known_ = false;  // the latest command was answered
   int missed_ = 0;      // exchanges without an answer, in a row
   int owed_ = 0;        // states for commands that were sent

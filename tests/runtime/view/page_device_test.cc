@@ -213,18 +213,37 @@ TEST(PageDevice, APageThatSaysNothingIsLetGoOf) {
   EXPECT_EQ(worn.detail(), "the page fell silent");
 }
 
-TEST(PageDevice, WhatWasWithheldIsInTheAccount) {
+TEST(PageDevice, ItsRuntimeMayStandStillForATwentiethOfASecond) {
   Worn worn(plate_of(100.0));
   worn.ask();
   worn.pass(kTestedS);
   for (int i = 0; i < 40; ++i) {
     worn.pass(0.2);
-    worn.hang(0.05);
+    worn.stand_still(0.05);
   }
   worn.pass(0.5);
   EXPECT_EQ(worn.phase(), "on") << worn.detail();
   EXPECT_EQ(worn.state()["fault"], "none");
   EXPECT_LT(worn.service().given_to_hand_j(), 5e-3);
+}
+
+// A hand that goes in while the force is withheld gets what it never put in.
+TEST(PageDevice, WhatWasWithheldIsInTheAccount) {
+  Worn worn(plate_of(200.0, 0.0));
+  worn.ask();
+  worn.pass(kTestedS);
+  double depth_m = 0.0;
+  for (int i = 0; i < 600 && worn.phase() == "on"; ++i) {
+    const double now_m = worn.state()["depth_m"];
+    if (now_m > 1e-4 && now_m > depth_m + 5e-5) {
+      worn.stand_still(0.08);
+    }
+    depth_m = now_m;
+    worn.pass(0.02);
+  }
+  EXPECT_NE(worn.state()["fault"], "none") << worn.detail();
+  EXPECT_LT(worn.service().given_to_hand_j(),
+            0.013);  // the account's floor, and a press
 }
 
 TEST(PageDevice, OneSteersAtATime) {
