@@ -467,7 +467,10 @@ def device(page, watcher, seen):
     page.wait(lambda: state()["state"] == "pressing" and state()["depth_m"] > 0.001)
     page.picture("device")
     page.keys("p")  # the pointer does not press beside it
+    canvas = page.driver.find_element(By.ID, "canvas")
+    ActionChains(page.driver).key_down(Keys.SHIFT).move_to_element(canvas).click().key_up(Keys.SHIFT).perform()
     seen["holding"] = state()["holding"]
+    seen["phase"] = state()["device"]["phase"]
     seen["hz"] = state()["device"]["hz"]
     page.driver.execute_script("window.listened.postMessage(120);")  # its runtime hangs
     page.wait(lambda: state()["state"] == "free")

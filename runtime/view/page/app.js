@@ -173,11 +173,10 @@ class App {
     this.sendPoint();
   }
 
-  // The page's own device.
+  // The page's own device steers.
   deviceSteers() { return this.state?.device !== undefined && this.state.device.phase !== "off"; }
 
   letGo() {
-    this.device?.letGo();
     if (this.holding) {
       this.forgetHold();
       this.link.letGo();

@@ -94,7 +94,10 @@ const kKeys = {
   ".": (app) => app.run("step"),
   r: (app) => app.run("reset"),
   p: (app) => app.toggleHold(),
-  Escape: (app) => app.letGo(),
+  Escape: (app) => {
+    app.letGo();
+    app.device?.letGo();
+  },
   ArrowLeft: (app) => app.slide(-app.stepLength(), 0),
   ArrowRight: (app) => app.slide(app.stepLength(), 0),
   ArrowUp: (app) => app.slide(0, app.stepLength()),

@@ -209,6 +209,7 @@ TEST(OwnPage, ADevicePressesThroughThePageAndEndsAtZeroForce) {
   EXPECT_NE(seen["told"].get<std::string>().find("hold the tool loosely"),
             std::string::npos);
   EXPECT_EQ(seen["holding"], false);
+  EXPECT_EQ(seen["phase"], "on");
   EXPECT_EQ(seen["after"], "on");
   EXPECT_NE(seen["hung"].get<std::string>().find("fault"), std::string::npos)
       << seen["hung"];
