@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/quantile.h"
+#include "formats/database/place_check.h"
 #include "formats/response/force_difference.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/serve/preliminary_answers.h"
