@@ -18,6 +18,7 @@
 
 #include "formats/base/quantile.h"
 #include "formats/base/stopwatch.h"
+#include "formats/database/place_check.h"
 #include "formats/database/work_unit.h"
 #include "formats/scene/scene.h"
 #include "precompute/body/scene_body.h"
