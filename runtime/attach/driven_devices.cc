@@ -152,7 +152,7 @@ std::unique_ptr<DeviceLink> sign_tested(const DeviceRequest& request, int axes,
 
 AttachedDevice attach_haply_inverse(const DeviceRequest& request) {
   const InverseConfig config = inverse_config(request);
-  const DeviceLimits limits = inverse_limits(config);
+  const DeviceLimits limits = InverseLink(config).limits();
   return attach_driven(limits, inverse_rest_m(), [=](const HandScript&) {
     return DriverProgram{.name = "haply-inverse",
                          .limits = limits,
@@ -165,7 +165,7 @@ AttachedDevice attach_emulated_inverse(const DeviceRequest& request,
                                        const EmulatedInverseConfig& like,
                                        std::shared_ptr<EmulatedInverse>* service) {
   InverseConfig config = inverse_config(request);
-  const DeviceLimits limits = inverse_limits(config);
+  const DeviceLimits limits = InverseLink(config).limits();
   return attach_driven(limits, inverse_rest_m(), [=](const HandScript& hand) {
     EmulatedInverseConfig emulated = like;
     emulated.hand = hand;
