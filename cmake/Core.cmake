@@ -1,6 +1,6 @@
-# The portable core alone: what the C library needs, of header-only libraries. No HDF5,
-# OpenSSL, CGAL, TetGen, solvers, devices, tools. For Linux, Windows and WebAssembly
-# (cmake/toolchains).
+# The portable core alone: what the C library needs, of header-only libraries. No OpenSSL,
+# CGAL, TetGen, solvers, devices, tools; HDF5 where a folder of it is named. For Linux,
+# Windows and WebAssembly (cmake/toolchains).
 set(PALPATE_HEADERS /usr/include CACHE PATH "Folder of Eigen, fmt, nlohmann_json headers")
 # Links of their own: a compiler for another system must not see all of /usr/include.
 foreach(folder fmt nlohmann)
@@ -21,6 +21,18 @@ set(threads "")
 if(WIN32 OR UNIX)
   find_package(Threads REQUIRED)
   set(threads Threads::Threads)
+endif()
+
+# HDF5 as packaging/windows/hdf5 makes it. Nothing is recorded all the same.
+set(hdf5 "")
+if(PALPATE_CORE_HDF5)
+  add_library(hdf5::hdf5 STATIC IMPORTED)
+  set_target_properties(hdf5::hdf5 PROPERTIES
+    IMPORTED_LOCATION ${PALPATE_CORE_HDF5}/lib/libhdf5.a
+    INTERFACE_INCLUDE_DIRECTORIES ${PALPATE_CORE_HDF5}/include
+    INTERFACE_LINK_LIBRARIES ${PALPATE_CORE_HDF5}/lib/libz.a)
+  set(hdf5 hdf5::hdf5)
+  set(PALPATE_OTHER_FORMS "/hdf5/without_hdf5\\.cc$|/recording/recording(_writer)?\\.cc$")
 endif()
 
 # What Debian's standard library for WebAssembly lacks (cmake/toolchains/wasm.cmake).
@@ -49,7 +61,7 @@ palpate_library(formats PIC
         formats/response formats/database formats/recording formats/service
   LEFT_OUT formats/base/\(command_line|command_words|man_page|toml_text\)
   DEPENDS Eigen3::Eigen fmt::fmt
-  PRIVATE_DEPENDS nlohmann_json::nlohmann_json)
+  PRIVATE_DEPENDS ${hdf5} nlohmann_json::nlohmann_json)
 palpate_library(fast PIC
   ROOMS runtime/account runtime/element runtime/memory runtime/needle runtime/paper runtime/fast
         runtime/contacts

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/believed_bytes.h"
+#include "formats/base/utf8_path.h"
 #include "formats/hdf5/hdf5_handle.h"
 #include "formats/hdf5/hdf5_lock.h"
 
@@ -341,7 +342,7 @@ bool has_hdf5() noexcept {
 
 std::unique_ptr<const StoredFile> open_hdf5(const std::filesystem::path& file) {
   std::error_code unknown;
-  return std::make_unique<const Hdf5File>(file.string(),
+  return std::make_unique<const Hdf5File>(utf8_of(file),
                                           std::filesystem::file_size(file, unknown),
                                           believed_bytes(file), [&] {
                                             return hdf5::open_read_only(file);

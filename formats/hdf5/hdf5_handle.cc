@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "formats/base/input_file.h"
+#include "formats/base/utf8_path.h"
 
 namespace palpate::hdf5 {
 
@@ -21,7 +22,7 @@ Handle reading_access() {
 hid_t open_read_only(const std::filesystem::path& file, unsigned flags) {
   require_regular_file(file);
   const Handle access = reading_access();
-  return H5Fopen(file.c_str(), H5F_ACC_RDONLY | flags, access.get());
+  return H5Fopen(utf8_of(file).c_str(), H5F_ACC_RDONLY | flags, access.get());
 }
 
 hid_t open_in_memory(std::span<const std::byte> bytes) {

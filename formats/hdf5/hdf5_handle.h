@@ -39,8 +39,9 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Opens a regular file to read. A damaged one is refused at once: HDF5 would read the
-/// metadata of one that another process writes again and again.
+/// Opens a regular file to read; HDF5 takes its name in UTF-8. A damaged one is refused
+/// at once: HDF5 would read the metadata of one that another process writes again and
+/// again.
 /// @param flags beside H5F_ACC_RDONLY
 /// @returns an identifier to close, negative where HDF5 refuses the file. @throws
 /// InputError if it is no regular file.
