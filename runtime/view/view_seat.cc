@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "formats/response/tool_support.h"
 #include "formats/response/turn_from_z.h"
 #include "runtime/hand/press_site.h"
+#include "runtime/view/view_contact.h"
 
 namespace palpate {
 namespace {
