@@ -196,7 +196,8 @@ ViewRequest device(const Json& message) {
   }
   check_keys(message, {"type", "do", "node", "right", "limit"});
   request.node = node_number(value(message, "node"));
-  take_numbers(value(message, "right"), "right", "three", 1.0, request.right);
+  take_numbers(value(message, "right"), "right", "three", ViewRanges::kDirectionMost,
+               request.right);
   request.limit = truth(value(message, "limit"), "limit");
   return request;
 }

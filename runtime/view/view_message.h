@@ -56,13 +56,14 @@ enum class ViewAction : std::uint8_t {
 
 /// Ranges that the decoder holds every number to.
 struct ViewRanges {
-  static constexpr double kTargetM = 10.0;       ///< [m] largest coordinate
-  static constexpr double kSlowHzMin = 1.0;      ///< [Hz]
-  static constexpr double kSlowHzMax = 2000.0;   ///< [Hz]
-  static constexpr double kStiffnessMin = 0.05;  ///< [-] of stiffness_scale
-  static constexpr double kStiffnessMax = 10.0;  ///< [-] of stiffness_scale
-  static constexpr double kFrictionMax = 2.0;    ///< [-] Coulomb coefficient
-  static constexpr double kQuaternionMin = 0.5;  ///< [-] least length of turn
+  static constexpr double kTargetM = 10.0;         ///< [m] largest coordinate
+  static constexpr double kSlowHzMin = 1.0;        ///< [Hz]
+  static constexpr double kSlowHzMax = 2000.0;     ///< [Hz]
+  static constexpr double kStiffnessMin = 0.05;    ///< [-] of stiffness_scale
+  static constexpr double kStiffnessMax = 10.0;    ///< [-] of stiffness_scale
+  static constexpr double kFrictionMax = 2.0;      ///< [-] Coulomb coefficient
+  static constexpr double kQuaternionMin = 0.5;    ///< [-] least length of turn
+  static constexpr double kDirectionMost = 1.001;  ///< [-] of a unit vector, rounded
 };
 
 /// A decoded message; which fields count depends on the action.

@@ -67,6 +67,10 @@ TEST(ViewMessage, ADeviceIsAskedForKeptAndLetGoOf) {
   EXPECT_EQ(on.node, 7);
   EXPECT_EQ(on.right, Eigen::Vector3d(0.6, 0.0, 0.8));
   EXPECT_TRUE(on.limit);
+  EXPECT_EQ(decode_view_message(R"({"type":"device","do":"on","node":7,)"
+                                R"("right":[1.0000000000000002,0,0],"limit":false})")
+                .right.x(),
+            1.0 + 0x1p-52);
   EXPECT_EQ(decode_view_message(R"({"type":"device","do":"keep"})").action,
             ViewAction::kDeviceKept);
   EXPECT_EQ(decode_view_message(R"({"type":"device","do":"off"})").action,
