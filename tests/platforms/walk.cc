@@ -138,7 +138,7 @@ struct Felt {
 bool walk(palpate_body* body, palpate_tool* tool, const Surface& surface, int ticks,
           Felt& felt) {
   // From clear of the body. Of a tool that begins inside, the rest offset recovers as the
-  // tank allows, which on a body with dents doubles last digits from tick to tick.
+  // tank allows: on a body with dents that doubles last digits from tick to tick.
   Random random;
   Point from{};
   Point to = surface.above();
