@@ -16,33 +16,37 @@ constexpr double kWatchS = 0.01;  // over which a speed is measured
 }  // namespace
 
 Eigen::Vector3d SignTest::next(const std::optional<Eigen::Vector3d>& position_m,
-                               std::int64_t now_ns) {
+                               const Eigen::Vector3d& sent_n, std::int64_t now_ns) {
   if (!pushes_) {  // the exchange was at rest
     pushes_ = !passed();
     begin_ns_ = now_ns;
-    held_n_.setZero();
+    watched_ = false;
     before_m_.reset();
-  } else if (position_m) {
-    watch(*position_m, now_ns);
-    if (before_m_) {
-      work_j_[static_cast<std::size_t>(axis_)] += held_n_.dot(*position_m - *before_m_);
+  } else {
+    if (position_m) {
+      watch(*position_m, now_ns);
+    }
+    if (position_m && before_m_) {
+      work_j_[static_cast<std::size_t>(axis_)] +=
+          acting_n_.dot(*position_m - *before_m_);
     }
     before_m_ = position_m;
+    acting_n_ = sent_n;
   }
   const double now_s = seconds_in(now_ns - begin_ns_);
-  held_n_.setZero();
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
   if (pushes_ && now_s >= 2.0 * options_.period_s) {
     end_round();
   } else if (pushes_) {
     const double phase = 2.0 * std::numbers::pi * now_s / options_.period_s;
-    held_n_[axis_] =
+    force_n[axis_] =
         (now_s < options_.period_s ? 1.0 : -1.0) * options_.force_n * std::sin(phase);
   }
-  return held_n_;
+  return force_n;
 }
 
 void SignTest::watch(const Eigen::Vector3d& position_m, std::int64_t now_ns) {
-  if (!before_m_) {
+  if (!std::exchange(watched_, true)) {
     begin_m_ = position_m;
     mark_m_ = position_m;
     mark_ns_ = now_ns;
@@ -105,7 +109,7 @@ SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
       }
       force_n = test.next(
           status == LinkStatus::kOk ? std::optional(position_m) : std::nullopt,
-          clock.now_ns());
+          link.sent_n(), clock.now_ns());
     }
   } catch (...) {
     static_cast<void>(link.transact(Eigen::Vector3d::Zero(), position_m));

@@ -45,11 +45,12 @@ class SignTest {
 
   /// What to hold from now on [N]; first zero.
   /// @param position_m [m] as the force of the call before began to act; none: that
-  /// exchange was missed.
+  /// exchange was missed. @param sent_n [N] what was sent of that force.
   /// @throws DeviceError if an axis pushes the wrong way, or the tool ran away. Also if
   /// nothing could be felt: the tool is held fast or lies at a stop. The force is then
   /// to be zero.
   [[nodiscard]] Eigen::Vector3d next(const std::optional<Eigen::Vector3d>& position_m,
+                                     const Eigen::Vector3d& sent_n,
                                      std::int64_t now_ns);
 
   /// Every axis pushes as it is asked to, and the force is zero.
@@ -72,8 +73,10 @@ class SignTest {
   int round_ = 0;
   bool pushes_ = false;        // a round has begun
   std::int64_t begin_ns_ = 0;  // of the round
-  Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();
+  // The exchange before this one: where the tool was, and what has acted since.
   std::optional<Eigen::Vector3d> before_m_;
+  Eigen::Vector3d acting_n_ = Eigen::Vector3d::Zero();
+  bool watched_ = false;
   Eigen::Vector3d begin_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mark_m_ = Eigen::Vector3d::Zero();
   std::int64_t mark_ns_ = 0;

@@ -181,7 +181,7 @@ void PageDevice::go_on(const HeardAt& at) {
   if (test_->passed()) {
     begin(at.now_ns);
   } else {
-    test(service_->position_m(), at.now_ns);
+    test(service_->position_m(), made_n(at), at.now_ns);
   }
 }
 
@@ -211,9 +211,9 @@ void PageDevice::greet(std::string_view text, std::int64_t now_ns) {
 }
 
 void PageDevice::test(const std::optional<Eigen::Vector3d>& position_m,
-                      std::int64_t now_ns) {
+                      const Eigen::Vector3d& acted_n, std::int64_t now_ns) {
   try {
-    send(test_->next(position_m, now_ns), now_ns);
+    send(test_->next(position_m, acted_n, now_ns), now_ns);
   } catch (const DeviceError& error) {
     if (respelled_ || !test_->felt_nothing()) {
       let_go(error.what());
@@ -292,12 +292,15 @@ void PageDevice::begin(std::int64_t now_ns) {
   send(Eigen::Vector3d::Zero(), now_ns);
 }
 
+// Of the command that a state answers.
+Eigen::Vector3d PageDevice::made_n(const HeardAt& at) const {
+  return at.withheld ? Eigen::Vector3d::Zero() : service_->sent_n();
+}
+
 void PageDevice::tick(const HeardAt& at) {
-  const Eigen::Vector3d made_n =
-      at.withheld ? Eigen::Vector3d::Zero() : service_->sent_n();
   fed_->latest = {.position_m = service_->position_m(),
                   .time_ns = session_.run_ns(at.received_ns),
-                  .withheld_n = fed_->force_n - made_n,
+                  .withheld_n = fed_->force_n - made_n(at),
                   .read_ns = session_.run_ns(at.now_ns)};
   session_.tick_at(at.now_ns);
   if (session_.fault() != Fault::kNone) {
@@ -334,7 +337,7 @@ void PageDevice::watch(std::int64_t now_ns) {
   if (const char* why = service_->exchanged(false)) {
     let_go(why);
   } else if (phase_ == Phase::kTesting) {
-    test(std::nullopt, now_ns);
+    test(std::nullopt, Eigen::Vector3d::Zero(), now_ns);
   } else {
     send(Eigen::Vector3d::Zero(), now_ns);
   }

@@ -64,9 +64,11 @@ class PageDevice : public ViewDevice {
 
   void greet(std::string_view text, std::int64_t now_ns);
   void go_on(const HeardAt& at);
-  void test(const std::optional<Eigen::Vector3d>& position_m, std::int64_t now_ns);
+  void test(const std::optional<Eigen::Vector3d>& position_m,
+            const Eigen::Vector3d& acted_n, std::int64_t now_ns);
   void begin(std::int64_t now_ns);
   void tick(const HeardAt& at);
+  [[nodiscard]] Eigen::Vector3d made_n(const HeardAt& at) const;
   void send(const Eigen::Vector3d& force_n, std::int64_t now_ns,
             std::string_view profile = {});
   void place(const ViewRequest& request);

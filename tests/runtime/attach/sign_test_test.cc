@@ -21,6 +21,7 @@ class HeldTool : public DeviceLink {
   double hand_n_s_per_m = 3.0;
   Eigen::Vector3d pull_n = Eigen::Vector3d::Zero();
   double largest_n = 0.0;
+  std::int64_t exchange_ns = 500'000;
   bool open_now = false;
 
   [[nodiscard]] std::string name() const override { return "held"; }
@@ -43,7 +44,7 @@ class HeldTool : public DeviceLink {
     begun_ = true;
     sent_n_ = force_n;
     position_m = 5e-5 * (x_m_ / 5e-5).array().round();
-    clock_.sleep_until_ns(now_ns + 500'000);
+    clock_.sleep_until_ns(now_ns + exchange_ns);
     return LinkStatus::kOk;
   }
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
@@ -78,6 +79,22 @@ TEST(SignTest, AHandThatHoldsIsPushedAndTakesTheWork) {
   }
   EXPECT_LE(tool.largest_n, 0.3 + 1e-12);
   EXPECT_EQ(tool.sent_n().norm(), 0.0);
+}
+
+// The tool moves under the force of the exchange before, not under the one that its
+// position answers.
+TEST(SignTest, ALinkThatTakesItsTimeDoesNotTurnTheSign) {
+  for (const std::int64_t exchange_ns : {5'000'000, 20'000'000, 40'000'000}) {
+    for (const double gain : {1.0, -1.0}) {
+      SimulatedClock clock;
+      HeldTool tool(clock);
+      tool.exchange_ns = exchange_ns;
+      tool.gain.setConstant(gain);
+      const std::string why = refusal(tool, clock);
+      EXPECT_EQ(why.find("wrong way along x") != std::string::npos, gain < 0.0) << why;
+      EXPECT_EQ(why.empty(), gain > 0.0) << why;
+    }
+  }
 }
 
 TEST(SignTest, AnAxisThatPushesTheWrongWayIsNamed) {
