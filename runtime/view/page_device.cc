@@ -215,6 +215,14 @@ void PageDevice::test(const std::optional<Eigen::Vector3d>& position_m,
   try {
     send(test_->next(position_m, acted_n, now_ns), now_ns);
   } catch (const DeviceError& error) {
+    constexpr double kSlowS = 0.01;  // then few forces have acted at all
+    if (const double hold_s = measured().hold_s; hold_s > kSlowS) {
+      let_go(
+          fmt::format("messages of the device take {:.0f} ms here, too long to press "
+                      "with: is this computer busy?",
+                      1e3 * hold_s));
+      return;
+    }
     if (respelled_ || !test_->felt_nothing()) {
       let_go(error.what());
       return;

@@ -125,6 +125,17 @@ TEST(PageDevice, ASlowWireRendersLess) {
   EXPECT_NE(worn.detail().find("held 8 ms"), std::string::npos) << worn.detail();
 }
 
+TEST(PageDevice, MessagesThatTakeTooLongAreNotTakenForAToolThatIsHeldFast) {
+  EmulatedInverseConfig wanted;
+  wanted.faults = {.fault = InverseFault::kMissing, .from = 3, .every = 2};
+  Worn worn(plate_of(100.0), wanted);
+  worn.ask();
+  worn.pass(9.0);
+  EXPECT_EQ(worn.phase(), "off");
+  EXPECT_NE(worn.detail().find("messages of the device take"), std::string::npos)
+      << worn.detail();
+}
+
 // One that was fast while its motors were tested.
 TEST(PageDevice, AWireThatBecomesSlowInContactIsLetGoOf) {
   Worn worn(plate_of(200.0, 0.0));
