@@ -137,8 +137,8 @@ struct Felt {
 // @return false: a fault
 bool walk(palpate_body* body, palpate_tool* tool, const Surface& surface, int ticks,
           Felt& felt) {
-  // From clear of the body. Of a tool that begins inside, the rest offset recovers as the
-  // tank allows: on a body with dents that doubles last digits from tick to tick.
+  // From clear of the body. Of a tool that begins inside, the rest offset recovers as
+  // the tank allows: on a body with dents that doubles last digits from tick to tick.
   Random random;
   Point from{};
   Point to = surface.above();
