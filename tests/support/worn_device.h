@@ -98,8 +98,8 @@ class Worn {
     }
   }
 
-  // The runtime stands still. Its worker puts the force to zero meanwhile, and the command
-  // that comes then is for a place long left.
+  // The runtime stands still. Its worker puts the force to zero meanwhile, and the
+  // command that comes then is for a place long left.
   void stand_still(double seconds) {
     service_.release();
     clock_.sleep_until_ns(clock_.now_ns() + nanoseconds_in(seconds));
