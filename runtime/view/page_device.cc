@@ -216,7 +216,8 @@ void PageDevice::test(const std::optional<Eigen::Vector3d>& position_m,
     send(test_->next(position_m, acted_n, now_ns), now_ns);
   } catch (const DeviceError& error) {
     constexpr double kSlowS = 0.01;  // then few forces have acted at all
-    if (const double hold_s = measured().hold_s; hold_s > kSlowS) {
+    const double hold_s = measured().hold_s;
+    if (hold_s > kSlowS && test_->felt_nothing()) {
       let_go(
           fmt::format("messages of the device take {:.0f} ms here, too long to press "
                       "with: is this computer busy?",
