@@ -41,13 +41,12 @@ struct InverseConfig {
 /// assumed to take 1 ms.
 [[nodiscard]] DeviceLimits inverse_limits(const InverseConfig& config);
 
-/// One session; one thread. First greet(), then a command for every state, from which
-/// on forces are what the device is to hold. Functions that return a text return why
-/// the session must end, or null. The force is zero in the first two commands, and
-/// after a state that did not come in time until one has. A grip that is there when the
-/// session begins says how the tool is turned. A grip that is not heard of for
-/// kGripSilentMax states is a fault. A grip that says what is no orientation is a
-/// fault, too.
+/// One session; one thread. First greet(), then one command for every state. Functions
+/// that return a text return why the session must end, or null. The force is zero in
+/// the first two commands, and after a state that did not come in time until one has. A
+/// grip that is there when the session begins says how the tool is turned. A grip that
+/// is not heard of for kGripSilentMax states is a fault. A grip that says what is no
+/// orientation is a fault, too.
 class InverseSession {
  public:
   /// @throws InputError for a profile or id that cannot be a name.
